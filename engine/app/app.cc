@@ -1,0 +1,76 @@
+#include "app/app.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "base/atomic_file.h"
+#include "model/plugin_loader.h"
+
+namespace dynoproof::app {
+
+void Print(const Common& common, const std::string& text) {
+  std::fputs(text.c_str(), common.json == "-" ? stderr : stdout);
+}
+
+void Complain(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
+int Report(const Diagnostics& diagnostics) {
+  ClearProgress();
+  Complain(diagnostics.Format(ColourOn(STDERR_FILENO)));
+  if (!diagnostics.has_errors()) return kGood;
+  const int count = diagnostics.error_count();
+  Complain(fmt::format("{} error{}\n", count, count == 1 ? "" : "s"));
+  return kUsage;
+}
+
+int WriteText(const std::string& file, const std::string& text) {
+  const Status failed = WriteFileAtomically(file, text);
+  if (!failed) return kGood;
+  Complain(failed->ToString() + "\n");
+  return kBroken;
+}
+
+int WriteJson(const Common& common, const nlohmann::json& document) {
+  if (common.json.empty()) return kGood;
+  const std::string text = document.dump(2) + "\n";
+  if (common.json != "-") return WriteText(common.json, text);
+  return std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? kGood : kBroken;
+}
+
+bool IsTerminal(int descriptor) { return isatty(descriptor) == 1; }
+
+bool ColourOn(int descriptor) {
+  const char* off = std::getenv("NO_COLOR");
+  return IsTerminal(descriptor) && (off == nullptr || *off == '\0');
+}
+
+std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics) {
+  auto registry = std::make_unique<Registry>();
+  RegisterBuiltIns(*registry);
+  for (const std::string& file : PluginFiles(common.plugins, diagnostics)) {
+    if (const Status failed = LoadPlugin(file, *registry)) diagnostics.Error({failed->signal}, failed->message);
+  }
+  return registry;
+}
+
+void ShowProgress(const std::string& what, double fraction) {
+  if (!IsTerminal(STDERR_FILENO)) return;
+  Complain(fmt::format("\r\033[K{:>3.0f} %  {}", 100.0 * fraction, what));
+  std::fflush(stderr);
+}
+
+void ClearProgress() {
+  if (IsTerminal(STDERR_FILENO)) Complain("\r\033[K");
+}
+
+void AddCommon(CLI::App& command, Common& common) {
+  command.add_option("--json", common.json, "write the result as JSON; - is stdout (tables then go to stderr)");
+  command.add_option("--plugin", common.plugins, "shared library with plugins; also $DYNOPROOF_PLUGIN_PATH");
+}
+
+void AddExamples(CLI::App& command, const std::string& examples) { command.footer("Examples:\n" + examples); }
+
+}  // namespace dynoproof::app

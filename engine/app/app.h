@@ -1,0 +1,61 @@
+// The program `dynoproof`: what its commands share. Each command stands in a file of its own.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "model/registry.h"
+
+namespace dynoproof::app {
+
+/// Exit codes of the contract.
+enum Exit { kGood = 0, kShort = 1, kUsage = 2, kBroken = 3, kUndecided = 4, kBudget = 5 };
+
+/// What every command has.
+struct Common {
+  std::string json;                  // --json FILE; "-": stdout, tables then go to stderr
+  std::vector<std::string> plugins;  // --plugin FILE
+};
+
+/// Text to the table stream: stdout, or stderr when the JSON goes to stdout.
+void Print(const Common& common, const std::string& text);
+/// Messages and progress.
+void Complain(const std::string& text);
+/// All diagnostics to stderr; kUsage when there are errors, else kGood.
+int Report(const Diagnostics& diagnostics);
+/// Writes the document where --json says; kGood or kBroken.
+int WriteJson(const Common& common, const nlohmann::json& document);
+/// Writes a file atomically and complains when that fails; kGood or kBroken.
+int WriteText(const std::string& file, const std::string& text);
+/// Colours: only on a terminal, and not with NO_COLOR.
+bool ColourOn(int descriptor);
+/// True when the user sees this stream on a terminal.
+bool IsTerminal(int descriptor);
+
+/// Built-in plugins and those of --plugin and DYNOPROOF_PLUGIN_PATH; faults become diagnostics.
+std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics);
+
+/// A progress line on stderr that is redrawn in place; silent when stderr is no terminal. `fraction` 0 ... 1.
+void ShowProgress(const std::string& what, double fraction);
+void ClearProgress();
+
+/// Adds --json and --plugin.
+void AddCommon(CLI::App& command, Common& common);
+/// The help text's examples.
+void AddExamples(CLI::App& command, const std::string& examples);
+
+/// Each adds its subcommand; `exit` is set by the one that runs.
+void AddRun(CLI::App& program, int& exit);
+void AddModes(CLI::App& program, int& exit);
+void AddList(CLI::App& program, int& exit);
+void AddDescribe(CLI::App& program, int& exit);
+void AddValidate(CLI::App& program, int& exit);
+void AddNew(CLI::App& program, int& exit);
+void AddCompare(CLI::App& program, int& exit);
+void AddBless(CLI::App& program, int& exit);
+
+}  // namespace dynoproof::app

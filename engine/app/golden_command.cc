@@ -1,0 +1,136 @@
+// dynoproof compare, bless
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "experiment/golden.h"
+#include "experiment/prepare.h"
+#include "experiment/run_scenario.h"
+#include "reports/run_report.h"
+#include "scenario/load.h"
+#include "trace/trace_io.h"
+
+namespace dynoproof::app {
+namespace {
+
+int Compare(const Common& common, const std::string& a, const std::string& b, const std::string& tolerance_file) {
+  Diagnostics diagnostics;
+  GoldenTolerances tolerances;
+  if (!tolerance_file.empty()) {
+    const Result<GoldenTolerances> read = ReadTolerances(tolerance_file);
+    if (read.ok()) {
+      tolerances = *read;
+    } else {
+      diagnostics.Error({tolerance_file}, read.failure().message);
+    }
+  }
+  const Result<trace::Trace> left = trace::ReadTrace(a), right = trace::ReadTrace(b);
+  for (const auto* trace : {&left, &right}) {
+    if (!trace->ok()) diagnostics.Error({trace->failure().signal}, trace->failure().message);
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
+  ScenarioResult result;
+  result.id = b;
+  result.trace_file = b;
+  result.checks = CompareTraces(*left, *right, tolerances.signals, "tube");
+  result.verdict = score::Combine(result.checks);
+  const std::vector<ScenarioResult> results = {result};
+  const bool colour = ColourOn(common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
+  Print(common, reports::ToTable(results, colour));
+  Print(common, reports::ToCards(results, "dynoproof compare " + a, colour));
+  const int exit = reports::ExitCode(results);
+  return reports::WorseExit(exit, WriteJson(common, reports::ToJson(results)));
+}
+
+/// The standard output of a command, or nothing when it failed.
+std::optional<std::string> OutputOf(const std::string& command) {
+  std::FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return std::nullopt;
+  std::string text;
+  char buffer[256];
+  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
+  return pclose(pipe) == 0 ? std::optional(text) : std::nullopt;
+}
+
+/// A word that the shell takes as it is.
+std::string ShellQuoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+int Bless(const Common& common, const std::string& id, const std::string& reason) {
+  const auto refuse = [](const std::string& why) {
+    Complain("bless refused: " + why + "\n");
+    return kUsage;
+  };
+  if (reason.find_first_not_of(" \t\n") == std::string::npos) return refuse("a reason is needed: --reason TEXT");
+  if (const char* ci = std::getenv("CI"); ci != nullptr && *ci != '\0')
+    return refuse("a CI run does not decide what is right ($CI is set)");
+  // Asked of the folder that holds golden/, which the first bless has yet to make.
+  const std::string tree = (std::filesystem::absolute(GoldenFolder()) / "..").lexically_normal().string();
+  const std::optional<std::string> changed =
+      OutputOf("git -C " + ShellQuoted(tree) + " status --porcelain --untracked-files=no -- . ':!golden' 2>/dev/null");
+  if (!changed) return refuse("cannot ask git whether the tree is clean");
+  if (!changed->empty()) return refuse("tracked files outside golden/ are changed; commit them first:\n" + *changed);
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::vector<std::string> files = FindScenarios(id, diagnostics);
+  if (files.size() > 1) diagnostics.Error({id}, "is a folder", "bless one scenario at a time");
+  std::unique_ptr<Prepared> prepared;
+  if (files.size() == 1) prepared = Prepare(files[0], {}, *registry, diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  const Result<std::unique_ptr<Solver>> solver = MakeSolver(prepared->rig->run.solver, *prepared->rig);
+  const Result<Samples> samples = solver.ok() ? Simulate(*prepared->rig, **solver) : Result<Samples>(solver.failure());
+  if (!samples.ok()) {
+    Complain(samples.failure().ToString() + "\n");
+    return kBroken;
+  }
+  if (const Status failed = WriteGolden(prepared->plan.id, MakeTrace(*prepared, *samples), reason)) {
+    Complain(failed->ToString() + "\n");
+    return kBroken;
+  }
+  Print(common, fmt::format("golden/{0}.h5 and golden/{0}.toml now hold this run; look at the change and commit it\n",
+                            prepared->plan.id));
+  return WriteJson(common, {{"id", prepared->plan.id}, {"reason", reason}});
+}
+
+}  // namespace
+
+void AddCompare(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::string a, b, tolerance;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("compare", "two traces, signal by signal");
+  command->add_option("A.h5", arguments->a, "the reference")->required();
+  command->add_option("B.h5", arguments->b, "the trace that is judged")->required();
+  command->add_option("--tolerance", arguments->tolerance,
+                      "TOML with [signal.NAME] relative_width, time_half_width_s, origin");
+  AddCommon(*command, arguments->common);
+  AddExamples(*command, "  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
+  command->callback(
+      [arguments, &exit] { exit = Compare(arguments->common, arguments->a, arguments->b, arguments->tolerance); });
+}
+
+void AddBless(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::string id, reason;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = program.add_subcommand("bless", "make this run the golden one; needs a reason and a clean tree");
+  command->add_option("id", arguments->id, "the scenario")->required();
+  command->add_option("--reason", arguments->reason, "why the new trace is right");
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"");
+  command->callback([arguments, &exit] { exit = Bless(arguments->common, arguments->id, arguments->reason); });
+}
+
+}  // namespace dynoproof::app

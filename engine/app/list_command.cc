@@ -1,0 +1,245 @@
+// dynoproof list, describe, validate
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+
+namespace dynoproof::app {
+namespace {
+
+std::string TitleOf(const std::string& file) {
+  Diagnostics ignored;  // a faulty scenario is listed as well; `validate` says what is wrong with it
+  const std::optional<Plan> plan = LoadPlan(file, {}, ignored);
+  if (!plan) return "(cannot be read: dynoproof validate " + file + ")";
+  const Value* title = plan->root.Find("title");
+  return title != nullptr && title->is_string() ? title->string() : "";
+}
+
+int List(const Common& common) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::vector<std::string> files = FindScenarios("", diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  nlohmann::json document;
+  std::string text = "scenarios\n";
+  for (const std::string& file : files) {
+    const std::string id = ScenarioId(file), title = TitleOf(file);
+    text += fmt::format("  {:<36} {}\n", id, title);
+    document["scenarios"].push_back({{"id", id}, {"title", title}});
+  }
+  text += "\nplugins\n";
+  for (const PluginInfo* plugin : registry->Plugins()) {
+    text += fmt::format("  {:<36} {}\n", plugin->kind + "." + plugin->name, plugin->summary);
+    document["plugins"].push_back({{"kind", plugin->kind}, {"name", plugin->name}, {"summary", plugin->summary}});
+  }
+  text += "\neffects\n";
+  for (const Effect* effect : registry->Effects()) {
+    text += fmt::format("  {:<36} {}\n", effect->info().name, effect->info().law);
+    document["effects"].push_back({{"name", effect->info().name}, {"law", effect->info().law}});
+  }
+  text += "\nchecks\n";
+  for (const CheckKindInfo& kind : CheckKinds()) {
+    text += fmt::format("  {:<36} {}\n", kind.name, kind.summary);
+    document["checks"].push_back({{"kind", kind.name}, {"summary", kind.summary}});
+  }
+  Print(common, text);
+  return WriteJson(common, document);
+}
+
+std::string ParameterTable(const std::vector<ParamInfo>& parameters) {
+  std::string text;
+  for (const ParamInfo& one : parameters) {
+    text += fmt::format("  {:<28} {:<18} {:<14} {:<16} {:<12} {}\n", one.name, one.type, one.unit, one.range,
+                        one.fallback.empty() ? "required" : one.fallback, one.description);
+  }
+  return text.empty() ? "  none\n" : text;
+}
+
+nlohmann::json ToJson(const std::vector<ParamInfo>& parameters) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ParamInfo& one : parameters) {
+    list.push_back({{"name", one.name},
+                    {"type", one.type},
+                    {"unit", one.unit},
+                    {"range", one.range},
+                    {"default", one.fallback.empty() ? nlohmann::json() : nlohmann::json(one.fallback)},
+                    {"description", one.description}});
+  }
+  return list;
+}
+
+/// Plugins and check kinds of that name ("chirp" or "source.chirp"), as text and JSON; empty when there are none.
+std::string DescribePlugins(const Registry& registry, const std::string& name, nlohmann::json& document) {
+  std::string text;
+  for (const PluginInfo* plugin : registry.Plugins()) {
+    const std::string full = plugin->kind + "." + plugin->name;
+    if (name != plugin->name && name != full) continue;
+    text += fmt::format("{}: {}\n\nlaw     {}\nsource  {}\n\nparameters (type, unit, range, default)\n{}\n", full,
+                        plugin->summary, plugin->law, plugin->source, ParameterTable(plugin->parameters));
+    document["plugins"].push_back({{"kind", plugin->kind},
+                                   {"name", plugin->name},
+                                   {"summary", plugin->summary},
+                                   {"law", plugin->law},
+                                   {"source", plugin->source},
+                                   {"parameters", ToJson(plugin->parameters)}});
+  }
+  for (const CheckKindInfo& kind : CheckKinds()) {
+    if (name != kind.name && name != "check." + kind.name) continue;
+    text += fmt::format("check.{}: {}\n\nparameters (type, unit, range, default)\n{}\n", kind.name, kind.summary,
+                        ParameterTable(kind.parameters));
+    document["checks"].push_back(
+        {{"kind", kind.name}, {"summary", kind.summary}, {"parameters", ToJson(kind.parameters)}});
+  }
+  return text;
+}
+
+std::string DescribeEffect(const EffectInfo& info, nlohmann::json& document) {
+  std::string text = fmt::format("effect {}: {}\n\nlaw     {}\n\nparameters (unit, bounds, neutral)\n", info.name,
+                                 info.description, info.law);
+  nlohmann::json parameters = nlohmann::json::array();
+  for (const EffectParameter& one : info.parameters) {
+    text += fmt::format("  {:<14} {:<14} {:>10g} ... {:<10g} {:<10} {}\n", one.name, one.unit, one.lower, one.upper,
+                        std::isnan(one.neutral) ? "" : fmt::format("{:g}", one.neutral), one.description);
+    parameters.push_back({{"name", one.name},
+                          {"unit", one.unit},
+                          {"lower", one.lower},
+                          {"upper", one.upper},
+                          {"description", one.description}});
+  }
+  document["effects"].push_back({{"name", info.name}, {"law", info.law}, {"parameters", parameters}});
+  return text + fmt::format(
+                    "\nin a scenario\n  [[effect]]\n  name = \"{}\"\n  at = \"KIND:NAME\"   # dynoproof describe "
+                    "SCENARIO lists the places\n"
+                    "  parameters = {{ {} = ... }}\n",
+                    info.name, info.parameters.empty() ? "" : info.parameters[0].name);
+}
+
+std::string DescribeScenario(const Registry& registry, const std::string& file, Diagnostics& diagnostics,
+                             nlohmann::json& document) {
+  const std::unique_ptr<Prepared> prepared = Prepare(file, {}, registry, diagnostics);
+  if (prepared == nullptr) return "";
+  const Value* source = prepared->plan.root.Find("source");
+  std::string text =
+      fmt::format("scenario {}: {}\nsource   {}\nfile     {}\n\ninputs\n", prepared->plan.id, prepared->title,
+                  source != nullptr && source->is_string() ? source->string() : "", file);
+  for (const InputLine& line : prepared->rig->inputs)
+    text += fmt::format("  {:<20} {:<10} {}\n", line.name, line.unit, line.description);
+  text += "\noutputs\n";
+  for (const OutputLine& line : prepared->rig->outputs)
+    text += fmt::format("  {:<20} {:<10} {}\n", line.name, line.unit, line.description);
+  text += "\nsignals that an output may show\n";
+  for (const Block& block : prepared->rig->blocks) {
+    for (const Port& port : block.component->layout().outputs)
+      text += fmt::format("  {}.{} [{}]\n", block.name, port.name, port.unit);
+  }
+  text += "\nplaces of effects\n";
+  nlohmann::json places = nlohmann::json::object();
+  for (const Effect* effect : registry.Effects()) {
+    std::vector<std::string> names;
+    for (const Place& place : effect->Places(prepared->plan)) names.push_back(place.ToString());
+    if (!names.empty()) text += fmt::format("  {:<22} {}\n", effect->info().name, fmt::join(names, ", "));
+    places[effect->info().name] = names;
+  }
+  document["scenarios"].push_back({{"id", prepared->plan.id}, {"title", prepared->title}, {"places", places}});
+  return text;
+}
+
+int Describe(const Common& common, const std::string& name) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  nlohmann::json document = nlohmann::json::object();
+  std::string text = DescribePlugins(*registry, name, document);
+  if (const Effect* effect = registry->FindEffect(name)) text += DescribeEffect(effect->info(), document);
+  if (text.empty()) {
+    Diagnostics search;
+    const std::vector<std::string> files = FindScenarios(name, search);
+    if (files.size() == 1) {
+      text = DescribeScenario(*registry, files[0], diagnostics, document);
+    } else {
+      std::vector<std::string> names;
+      for (const PluginInfo* plugin : registry->Plugins()) names.push_back(plugin->name);
+      for (const Effect* effect : registry->Effects()) names.push_back(effect->info().name);
+      const std::optional<std::string> near = Closest(name, names);
+      diagnostics.Error({name}, "is no plugin, effect, check or scenario",
+                        near ? fmt::format("did you mean \"{}\"?", *near) : "see: dynoproof list");
+    }
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
+  Print(common, text);
+  return WriteJson(common, document);
+}
+
+int Validate(const Common& common, const std::vector<std::string>& names) {
+  nlohmann::json document = {{"files", nlohmann::json::array()}};
+  Diagnostics all;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, all);
+  for (const std::string& name : names) {
+    for (const std::string& file : FindScenarios(name, all)) {
+      Diagnostics own;
+      Prepare(file, {}, *registry, own);
+      nlohmann::json faults = nlohmann::json::array();
+      for (const Diagnostic& item : own.items()) {
+        faults.push_back({{"file", item.where.file},
+                          {"line", item.where.line},
+                          {"column", item.where.column},
+                          {"severity", item.severity == Diagnostic::Severity::kError ? "error" : "warning"},
+                          {"message", item.message},
+                          {"hint", item.hint}});
+      }
+      document["files"].push_back({{"file", file}, {"valid", !own.has_errors()}, {"diagnostics", faults}});
+      if (!own.has_errors()) Print(common, fmt::format("{}: valid\n", file));
+      all.Append(own);
+    }
+  }
+  const int exit = Report(all);
+  document["exit"] = exit;
+  const int written = WriteJson(common, document);
+  return exit != kGood ? exit : written;
+}
+
+}  // namespace
+
+void AddList(CLI::App& program, int& exit) {
+  auto common = std::make_shared<Common>();
+  CLI::App* command = program.add_subcommand("list", "scenarios, plugins, effects, checks, with a line each");
+  AddCommon(*command, *common);
+  AddExamples(*command, "  dynoproof list\n  dynoproof list --json -");
+  command->callback([common, &exit] { exit = List(*common); });
+}
+
+void AddDescribe(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::string name;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("describe", "a plugin, effect, check or scenario: law, parameters, ports, source");
+  command->add_option("name", arguments->name, "its name")->required();
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof describe drive_line\n  dynoproof describe coulomb_friction\n  dynoproof describe "
+              "r2r/soft_rotor_setup_1");
+  command->callback([arguments, &exit] { exit = Describe(arguments->common, arguments->name); });
+}
+
+void AddValidate(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::vector<std::string> files;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("validate", "every fault of every file: file:line:column, with a suggestion");
+  command->add_option("files", arguments->files, "files, ids or folders")->required();
+  AddCommon(*command, arguments->common);
+  AddExamples(*command, "  dynoproof validate my_line.toml\n  dynoproof validate scenarios/");
+  command->callback([arguments, &exit] { exit = Validate(arguments->common, arguments->files); });
+}
+
+}  // namespace dynoproof::app

@@ -1,0 +1,44 @@
+// dynoproof: is this simulation right, is it fast enough for 10 kHz, and if it disagrees with the measurement, why?
+#include <fmt/format.h>
+
+#include <csignal>
+#include <exception>
+#include <new>
+
+#include "app/app.h"
+#include "experiment/build_info.h"
+
+int main(int argc, char** argv) {
+  using namespace dynoproof;  // NOLINT(google-build-using-namespace): the program itself
+  CLI::App program(
+      "dynoproof: proves simulations of highly dynamic test beds.\n"
+      "Exit codes: 0 all holds, 1 something fell short, 2 bad usage, scenario or data, 3 a run broke,\n"
+      "4 undecided, 5 a timing budget is broken.");
+  program.set_version_flag("--version", fmt::format("dynoproof {} ({})", build_info::kVersion, build_info::Commit()));
+  program.require_subcommand(1);
+  program.footer("More: dynoproof COMMAND --help");
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death without a word
+  int exit = app::kGood;
+  app::AddRun(program, exit);
+  app::AddModes(program, exit);
+  app::AddCompare(program, exit);
+  app::AddBless(program, exit);
+  app::AddList(program, exit);
+  app::AddDescribe(program, exit);
+  app::AddValidate(program, exit);
+  app::AddNew(program, exit);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool asked = error.get_exit_code() == 0;  // --help, --version
+    program.exit(error);
+    return asked ? app::kGood : app::kUsage;
+  } catch (const std::bad_alloc&) {
+    app::Complain("out of memory\n");
+    return app::kBroken;
+  } catch (const std::exception& error) {
+    app::Complain(fmt::format("unexpected: {}\n", error.what()));
+    return app::kBroken;
+  }
+  return exit;
+}

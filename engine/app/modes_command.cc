@@ -1,0 +1,141 @@
+// dynoproof modes
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "experiment/analysis.h"
+#include "experiment/prepare.h"
+#include "reports/run_report.h"
+#include "scenario/load.h"
+
+namespace dynoproof::app {
+namespace {
+
+/// "I1[37]" and "I1(4)" belong to the element "I1".
+std::string ElementOf(const std::string& name) { return name.substr(0, name.find_first_of("[(")); }
+
+/// Energy by element of the user's model: slices of a rotor are summed up.
+std::vector<std::pair<std::string, double>> EnergyByElement(const mechanics::Network& network,
+                                                            const mechanics::Mode& mode) {
+  std::vector<std::pair<std::string, double>> shares;
+  const auto add = [&shares](const std::string& element, double share) {
+    const auto it = std::find_if(shares.begin(), shares.end(), [&](const auto& one) { return one.first == element; });
+    if (it == shares.end()) {
+      shares.emplace_back(element, share);
+    } else {
+      it->second += share;
+    }
+  };
+  for (int i = 0; i < network.size(); ++i) add(ElementOf(network.nodes[i].name), mode.kinetic[i]);
+  for (std::size_t e = 0; e < network.edges.size(); ++e) {
+    add(ElementOf(network.edges[e].name), mode.strain[static_cast<Eigen::Index>(e)]);
+  }
+  return shares;
+}
+
+nlohmann::json ToJson(const std::string& id, const LinearAnalysis& analysis) {
+  nlohmann::json document = {{"id", id},
+                             {"modes", nlohmann::json::array()},
+                             {"practical_resonances", nlohmann::json::array()},
+                             {"zeros", nlohmann::json::array()}};
+  for (const mechanics::Mode& mode : analysis.modal.modes) {
+    nlohmann::json one = {{"frequency_hz", mode.frequency_hz},
+                          {"damping_ratio", mode.damping_ratio},
+                          {"shape", nlohmann::json::object()},
+                          {"energy", nlohmann::json::object()}};
+    for (int i = 0; i < analysis.network->size(); ++i) one["shape"][analysis.network->nodes[i].name] = mode.shape[i];
+    for (const auto& [element, share] : EnergyByElement(*analysis.network, mode)) one["energy"][element] = share;
+    document["modes"].push_back(std::move(one));
+  }
+  for (const mechanics::Resonance& resonance : analysis.resonances) {
+    document["practical_resonances"].push_back(
+        {{"frequency_hz", resonance.frequency_hz},
+         {"gain", resonance.unbounded ? nlohmann::json() : nlohmann::json(resonance.gain)}});
+  }
+  for (const mechanics::Zero& zero : analysis.zeros.zeros) {
+    document["zeros"].push_back({{"frequency_hz", zero.frequency_hz}, {"damping_ratio", zero.damping_ratio}});
+  }
+  return document;
+}
+
+std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& settings) {
+  std::string text = fmt::format("{:>4}  {:>12}  {:>10}  energy\n", "mode", "frequency Hz", "damping");
+  int number = 0, hidden = 0;
+  for (const mechanics::Mode& mode : analysis.modal.modes) {
+    ++number;
+    if (mode.frequency_hz > settings.to_Hz) {
+      ++hidden;
+      continue;
+    }
+    std::vector<std::pair<std::string, double>> shares = EnergyByElement(*analysis.network, mode);
+    std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::string energy;
+    for (std::size_t i = 0; i < std::min<std::size_t>(4, shares.size()); ++i) {
+      if (shares[i].second >= 0.01) energy += fmt::format("{} {:.0f} %  ", shares[i].first, 100.0 * shares[i].second);
+    }
+    text += fmt::format("{:>4}  {:>12.3f}  {:>10.5f}  {}\n", number - 1, mode.frequency_hz, mode.damping_ratio, energy);
+  }
+  if (hidden > 0) text += fmt::format("      {} more above {:g} Hz (--json has them all)\n", hidden, settings.to_Hz);
+  text += fmt::format("\npractical resonances from {} to {}, {:g} to {:g} Hz\n", settings.input, settings.output,
+                      settings.from_Hz, settings.to_Hz);
+  for (const mechanics::Resonance& one : analysis.resonances) {
+    text += fmt::format("      {:>12.3f}  gain {}\n", one.frequency_hz,
+                        one.unbounded ? "unbounded (undamped)" : fmt::format("{:.4g}", one.gain));
+  }
+  text += "\nzeros\n";
+  for (const mechanics::Zero& one : analysis.zeros.zeros) {
+    if (!one.oscillatory || one.frequency_hz > settings.to_Hz) continue;
+    text += fmt::format("      {:>12.3f}  damping {:.5f}\n", one.frequency_hz, one.damping_ratio);
+  }
+  return text;
+}
+
+int Run(const Common& common, const std::string& name, const std::vector<std::string>& overrides) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::vector<std::string> files = FindScenarios(name, diagnostics);
+  if (files.size() > 1) diagnostics.Error({name}, "is a folder", "name one scenario");
+  std::unique_ptr<Prepared> prepared;
+  if (files.size() == 1) prepared = Prepare(files[0], {overrides, "", nullptr}, *registry, diagnostics);
+  std::optional<AnalysisSettings> settings;
+  if (prepared != nullptr) {
+    settings = ReadAnalysis(prepared->plan, *prepared->rig, diagnostics);
+    if (!settings && !diagnostics.has_errors()) {
+      diagnostics.Error({files[0]}, "the scenario has no section [analysis]",
+                        "add [analysis] with input = ... and output = ...");
+    }
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
+  const Result<LinearAnalysis> analysis = Analyse(*prepared->rig, *settings);
+  if (!analysis.ok()) {
+    Complain(analysis.failure().ToString() + "\n");
+    return analysis.failure().exit_code;
+  }
+  Print(common, fmt::format("{}\n\n", prepared->plan.id) + ToText(*analysis, *settings));
+  return WriteJson(common, ToJson(prepared->plan.id, *analysis));
+}
+
+}  // namespace
+
+void AddModes(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::string name;
+    std::vector<std::string> overrides;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("modes", "eigenfrequencies, damping, energies, practical resonances, zeros");
+  command->add_option("scenario", arguments->name, "id or file")->required();
+  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
+      ->allow_extra_args(false);
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof modes r2r/soft_rotor_setup_1\n"
+              "  dynoproof modes heavy_duty/alternative_setup_1 --set plant.inertia.I5=0.33 --json -");
+  command->callback([arguments, &exit] { exit = Run(arguments->common, arguments->name, arguments->overrides); });
+}
+
+}  // namespace dynoproof::app

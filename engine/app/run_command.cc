@@ -1,0 +1,171 @@
+// dynoproof run
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "app/app.h"
+#include "experiment/prepare.h"
+#include "experiment/run_scenario.h"
+#include "reports/run_report.h"
+#include "scenario/load.h"
+
+namespace dynoproof::app {
+namespace {
+
+struct RunArguments {
+  Common common;
+  std::vector<std::string> names, overrides;
+  std::string solver, out = "out", junit, markdown, data, map;
+  int jobs = 1;
+};
+
+/// Runs the prepared scenarios, `jobs` at a time, in the order given.
+std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>& scenarios,
+                                   const RunArguments& arguments, const MappedRecord* data) {
+  std::vector<ScenarioResult> results(scenarios.size());
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::mutex screen;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < scenarios.size(); i = next++) {
+      RunOptions options;
+      options.out = arguments.out;
+      options.data = data;
+      options.progress = [&, i](double fraction) {
+        const std::lock_guard<std::mutex> lock(screen);
+        ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
+                     fraction);
+        return true;
+      };
+      try {
+        results[i] = RunScenario(*scenarios[i], options);
+      } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
+        results[i].id = scenarios[i]->plan.id;
+        results[i].verdict = score::Verdict::kBroken;
+        results[i].broken = error.what();
+      }
+      ++done;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 1; i < arguments.jobs; ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  ClearProgress();
+  return results;
+}
+
+/// A file that can be made in the output folder tells that traces can be, before hours of work.
+bool Writable(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return !error && access(folder.c_str(), W_OK) == 0;
+}
+
+std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& rig, Diagnostics& diagnostics) {
+  const Result<trace::Record> record = ReadRecord(arguments.data);
+  if (!record.ok()) {
+    diagnostics.Error({arguments.data}, record.failure().message);
+    return std::nullopt;
+  }
+  std::vector<SignalName> inputs, outputs;
+  for (const InputLine& line : rig.inputs) inputs.push_back({line.name, line.unit});
+  for (const OutputLine& line : rig.outputs) outputs.push_back({line.name, line.unit});
+  return MapRecord(*record, arguments.map, inputs, outputs, diagnostics);
+}
+
+int Run(const RunArguments& arguments) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
+  std::vector<std::string> files;
+  std::set<std::string> known;
+  for (const std::string& name : arguments.names.empty() ? std::vector<std::string>{""} : arguments.names) {
+    for (const std::string& file : FindScenarios(name, diagnostics)) {
+      if (known.insert(file).second) files.push_back(file);
+    }
+  }
+  if (!arguments.data.empty() && files.size() > 1)
+    diagnostics.Error({"--data"}, "drives one scenario, not several", "name one");
+  if (arguments.data.empty() && !arguments.map.empty())
+    diagnostics.Error({"--map"}, "belongs to --data", "add --data FILE");
+  PrepareOptions options;
+  options.overrides = arguments.overrides;
+  options.solver = arguments.solver;
+  std::vector<std::unique_ptr<Prepared>> scenarios;
+  std::set<std::string> ids;
+  for (const std::string& file : files) {
+    std::unique_ptr<Prepared> prepared = Prepare(file, options, *registry, diagnostics);
+    if (prepared == nullptr) continue;
+    if (!ids.insert(prepared->plan.id).second) {
+      diagnostics.Error({file}, fmt::format("a second scenario has the id \"{}\"", prepared->plan.id),
+                        "rename one file");
+    }
+    scenarios.push_back(std::move(prepared));
+  }
+  std::optional<MappedRecord> data;
+  if (!arguments.data.empty() && scenarios.size() == 1) {
+    data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
+    if (data) {
+      options.data = &*data;
+      scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
+    }
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
+  if (!Writable(arguments.out)) {
+    Complain(fmt::format("cannot write to the folder \"{}\"\n", arguments.out));
+    return kBroken;
+  }
+
+  const std::vector<ScenarioResult> results = RunAll(scenarios, arguments, data ? &*data : nullptr);
+  int exit = reports::ExitCode(results);
+  std::string again = "dynoproof run";
+  for (const std::string& text : arguments.overrides) again += " --set '" + text + "'";
+  if (!arguments.solver.empty()) again += " --solver " + arguments.solver;
+  if (!arguments.data.empty()) again += " --data " + arguments.data;
+  if (!arguments.map.empty()) again += " --map " + arguments.map;
+  const bool colour = ColourOn(arguments.common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
+  Print(arguments.common, reports::ToTable(results, colour));
+  Print(arguments.common, reports::ToCards(results, again, colour));
+  for (const ScenarioResult& result : results) {
+    for (const std::string& note : result.notes) Complain(fmt::format("{}: {}\n", result.id, note));
+  }
+  if (!arguments.junit.empty()) exit = reports::WorseExit(exit, WriteText(arguments.junit, reports::ToJUnit(results)));
+  if (!arguments.markdown.empty())
+    exit = reports::WorseExit(exit, WriteText(arguments.markdown, reports::ToMarkdown(results)));
+  nlohmann::json document = reports::ToJson(results);
+  document["exit"] = exit;
+  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+}
+
+}  // namespace
+
+void AddRun(CLI::App& program, int& exit) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = program.add_subcommand("run", "run scenarios and score them (physics only; timing: bench)");
+  command->add_option("scenarios", arguments->names, "ids, files or folders; none: all");
+  command->add_option("--solver", arguments->solver, "realtime or reference, instead of the scenario's own")
+      ->check(CLI::IsMember({"realtime", "reference"}));
+  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
+      ->allow_extra_args(false);
+  command->add_option("--jobs", arguments->jobs, "scenarios at a time")->check(CLI::Range(1, 1024));
+  command->add_option("--out", arguments->out, "folder of traces (default out)");
+  command->add_option("--junit", arguments->junit, "write JUnit XML");
+  command->add_option("--markdown", arguments->markdown, "write a Markdown summary");
+  command->add_option("--data", arguments->data,
+                      "drive the inputs with this record (CSV, HDF5) and compare its outputs");
+  command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)");
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof run r2r/soft_rotor_setup_1\n"
+              "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
+              "  dynoproof run r2r/soft_rotor_setup_1 --set plant.inertia.I5=0.171 --solver reference\n"
+              "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");
+  command->callback([arguments, &exit] { exit = Run(*arguments); });
+}
+
+}  // namespace dynoproof::app

@@ -1,0 +1,161 @@
+// The files that `dynoproof new` writes. @NAME@ and @CLASS@ are replaced. tests/acceptance proves that each passes
+// `validate` or builds, loads and runs as it is.
+#include "app/templates.h"
+
+namespace dynoproof::app {
+
+const char* const kScenarioTemplate = R"toml(# A three-mass drive line under a chirp. Change the numbers to yours, then:
+#   dynoproof validate @NAME@.toml
+#   dynoproof modes @NAME@.toml
+#   dynoproof run @NAME@.toml
+title = "@NAME@"
+source = "where the numbers come from"
+
+[run]
+duration_s = 2.0
+period_s = 1e-4              # inputs are held and signals recorded at 10 kHz
+
+[plant]
+type = "drive_line"          # dynoproof describe drive_line
+
+[plant.inertia]              # kg m^2
+I1 = 2.0                     # machine
+I2 = 0.3                     # coupling
+I3 = 0.5                     # device under test
+
+[plant.shaft.k1]
+between = ["I1", "I2"]
+stiffness_Nm_per_rad = 4.0e5
+damping_Nms_per_rad = 8.0
+
+[plant.shaft.k2]
+between = ["I2", "I3"]
+stiffness_Nm_per_rad = 2.5e5
+damping_Nms_per_rad = 6.0
+
+[plant.torque.T_airgap]
+on = "I1"
+
+[input.T_airgap]
+to = "plant.T_airgap"
+unit = "N m"
+nominal = 100.0
+source = { type = "chirp", amplitude = 100.0, start_Hz = 0.0, end_Hz = 400.0, rate_Hz_per_s = 200.0 }
+
+[output.T_shaft]
+of = "plant.k2.torque"
+nominal = 100.0
+
+[output.omega_1]
+of = "plant.I1.speed"
+nominal = 1.0
+
+[analysis]
+input = "T_airgap"
+output = "T_shaft"
+to_Hz = 400.0
+
+[[check]]
+kind = "solvers"
+signal = "T_shaft"
+nrmse = 1e-6
+origin = "discretisation: `realtime` is exact for a linear line, `reference` holds 1e-9 a step"
+
+[[check]]
+kind = "oracle"
+oracle = "held_input_exponential"
+signal = "T_shaft"
+nrmse = 1e-9
+origin = "round-off: two exact methods"
+)toml";
+
+const char* const kPluginCmake =
+    R"cmake(# cmake -S . -B build -DCMAKE_PREFIX_PATH=<where dynoproof is installed> && cmake --build build
+cmake_minimum_required(VERSION 3.25)
+project(@NAME@ CXX)
+find_package(dynoproof REQUIRED)
+add_library(@NAME@ MODULE @NAME@.cc)
+target_link_libraries(@NAME@ PRIVATE dynoproof::model)
+set_target_properties(@NAME@ PROPERTIES PREFIX "")
+)cmake";
+
+const char* const kLawTemplate =
+    R"cpp(// Law @NAME@: a shaft whose torque saturates, T = T_max tanh(k d / T_max) + c w.
+#include <cmath>
+#include <model/plugin_loader.h>
+
+          namespace {
+
+          class @CLASS @ : public dynoproof::Law {
+           public:
+            struct Params {
+              double stiffness_Nm_per_rad = 0.0, damping_Nms_per_rad = 0.0, limit_Nm = 0.0;
+              void Visit(auto& v) {
+                v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, dynoproof::Positive(), "stiffness k at rest");
+                v.Optional("damping_Nms_per_rad", damping_Nms_per_rad, dynoproof::NonNegative(), "damping c");
+                v.Required("limit_Nm", limit_Nm, dynoproof::Positive(), "torque T_max that the spring never exceeds");
+              }
+            };
+
+            static dynoproof::PluginInfo Info() {
+              return {"law",         "@NAME@", "a shaft whose torque saturates", "T = T_max tanh(k d / T_max) + c w",
+                      "your source", {}};
+            }
+            explicit @CLASS @(const Params& params) : p_(params) {}
+
+            // What modes and zeros see: the law linearised about rest. linear() stays zero: `realtime` takes the torque
+            // as it is.
+            dynoproof::SpringDamper linearised() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
+            double Torque(const dynoproof::LawView& view) const override {
+              return p_.limit_Nm * std::tanh(p_.stiffness_Nm_per_rad * view.twist / p_.limit_Nm) +
+                     p_.damping_Nms_per_rad * view.rate;
+            }
+
+           private:
+            Params p_;
+          };
+
+          }  // namespace
+
+          DYNOPROOF_PLUGIN(registry) { registry.Add<@CLASS @>(); }
+)cpp";
+
+const char* const kEffectTemplate =
+    R"cpp(// Effect @NAME@: an inertia is off by a mass that nobody told the model of, new = nominal + I_extra.
+#include <limits>
+#include <memory>
+#include <model/plugin_loader.h>
+
+          namespace {
+
+          class @CLASS @ : public dynoproof::Effect {
+           public:
+            @CLASS @() {
+              info_ = {"@NAME@",
+                       "I = I_nominal + I_extra",
+                       "inertia that the model does not know of",
+                       {{"I_extra", "kg m^2", "inertia that is added", 0.0, 100.0, 0.0, 0.01}}};
+            }
+
+            std::vector<dynoproof::Place> Places(const dynoproof::Plan& plan) const override {
+              std::vector<dynoproof::Place> places;
+              const dynoproof::Value* inertias = plan.root.FindPath("plant.inertia");
+              for (const std::string& name : inertias != nullptr ? dynoproof::KeysOf(*inertias) : std::vector<std::string>{}) {
+                places.push_back({"inertia", name, ""});
+              }
+              return places;
+            }
+
+            void Apply(dynoproof::Plan & plan, const dynoproof::Place& place, const std::vector<double>& parameters)
+                const override {
+              dynoproof::Value& inertia = *plan.root.FindPath("plant.inertia." + place.name);
+              inertia = dynoproof::Value(inertia.number() + parameters[0]);
+            }
+          };
+
+          }  // namespace
+
+          DYNOPROOF_PLUGIN(registry) { registry.Add(std::make_unique<@CLASS @>()); }
+)cpp";
+
+}  // namespace dynoproof::app

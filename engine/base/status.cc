@@ -1,0 +1,13 @@
+#include "base/status.h"
+
+#include <fmt/format.h>
+
+namespace dynoproof {
+
+std::string Failure::ToString() const {
+  std::string text = signal.empty() ? message : fmt::format("{}: {}", signal, message);
+  if (time_s) text += fmt::format(" (t = {:.9g} s)", *time_s);
+  return text;
+}
+
+}  // namespace dynoproof

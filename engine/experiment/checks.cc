@@ -1,0 +1,238 @@
+#include "experiment/checks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "experiment/check_kinds.h"
+#include "experiment/why.h"
+#include "oracles/oracle.h"
+#include "score/nrmse.h"
+#include "sim/solver.h"
+
+namespace dynoproof {
+
+int FindOutput(const Rig& rig, std::string_view name) {
+  for (std::size_t i = 0; i < rig.outputs.size(); ++i) {
+    if (rig.outputs[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int FindInput(const Rig& rig, std::string_view name) {
+  for (std::size_t i = 0; i < rig.inputs.size(); ++i) {
+    if (rig.inputs[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+score::Series SeriesOf(const Samples& samples, const Rig& rig, const std::string& signal, double* nominal) {
+  if (const int output = FindOutput(rig, signal); output >= 0) {
+    if (nominal != nullptr) *nominal = rig.outputs[output].nominal;
+    return {samples.time, samples.outputs[output], score::Interpolation::kLinear};
+  }
+  if (const int input = FindInput(rig, signal); input >= 0) {
+    if (nominal != nullptr) *nominal = rig.inputs[input].nominal;
+    return {samples.time, samples.inputs[input], score::Interpolation::kHold};
+  }
+  return {};
+}
+
+const Result<Samples>& CheckContext::Other() {
+  if (other_ == nullptr) {
+    Result<std::unique_ptr<Solver>> solver = MakeSolver(solver_ == "reference" ? "realtime" : "reference", rig_);
+    other_ =
+        std::make_unique<Result<Samples>>(solver.ok() ? Simulate(rig_, **solver) : Result<Samples>(solver.failure()));
+  }
+  return *other_;
+}
+
+Result<std::vector<double>> CheckContext::Oracle(const std::string& oracle, const std::string& output) {
+  auto& answers = answers_[oracle];
+  if (!answers.contains(output)) {
+    oracles::Question question{plan_.root, samples_.time, {}, {}};
+    for (std::size_t i = 0; i < rig_.inputs.size(); ++i) question.inputs[rig_.inputs[i].name] = samples_.inputs[i];
+    // One question for all outputs: the costly part of an oracle is the same for each.
+    for (const OutputLine& line : rig_.outputs) question.outputs.push_back(line.name);
+    Result<oracles::Answer> answer = oracles::All().at(oracle)(question);
+    if (!answer.ok()) return answer.failure();
+    answers = std::move(*answer);
+  }
+  return answers.at(output);
+}
+
+namespace {
+
+/// NRMSE of a run's signal against a reference, with the reason when it is too large.
+score::Check CompareNrmse(const CheckContext& context, const std::string& signal, const score::Series& reference,
+                          const score::Series& test, double limit, std::string name, std::string kind,
+                          const std::string& origin) {
+  score::NrmseOptions options;
+  options.limit = limit;
+  options.constant_limit = limit;
+  SeriesOf(context.samples(), context.rig(), signal, &options.nominal);
+  const score::NrmseResult result = score::Nrmse(reference, test, options);
+  score::Check check = score::NrmseCheck(result, options, std::move(name), origin);
+  check.kind = std::move(kind);
+  if (check.verdict != score::Verdict::kPass && score::FaultOf(reference, "reference").empty()) {
+    const int output = FindOutput(context.rig(), signal);
+    check.explanation = Why(reference, test, limit * score::StandardDeviation(reference.values),
+                            output >= 0 ? context.rig().outputs[output].unit : "");
+  }
+  return check;
+}
+
+score::Check NotMade(std::string name, std::string kind, double limit, const std::string& origin,
+                     const Failure& failure) {
+  score::Check check;
+  check.name = std::move(name);
+  check.kind = std::move(kind);
+  check.verdict = failure.exit_code == 3 ? score::Verdict::kBroken : score::Verdict::kFail;
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.limit = limit;
+  check.origin = origin;
+  check.explanation = failure.ToString();
+  return check;
+}
+
+class SolversCheck : public CheckPlan {
+ public:
+  struct Params {
+    std::string signal, origin;
+    double nrmse = 0.0;
+    void Visit(auto& v) {
+      v.Required("signal", signal, Any(), "output that is compared");
+      v.Required("nrmse", nrmse, Positive("1"), "largest distance of the two solvers");
+      v.Required("origin", origin, Any(), "why this limit");
+    }
+  };
+  static constexpr const char* kName = "solvers";
+  static constexpr const char* kSummary = "`realtime` against `reference`";
+  explicit SolversCheck(Params params) : p_(std::move(params)) {}
+  std::vector<std::string> Signals() const { return {p_.signal}; }
+
+  std::vector<score::Check> Run(CheckContext& context) const override {
+    const std::string name = "solvers " + p_.signal;
+    const Result<Samples>& other = context.Other();
+    if (!other.ok()) return {NotMade(name, kName, p_.nrmse, p_.origin, other.failure())};
+    const bool own_is_reference = context.solver() == "reference";
+    const score::Series own = SeriesOf(context.samples(), context.rig(), p_.signal);
+    const score::Series others = SeriesOf(*other, context.rig(), p_.signal);
+    for (const auto& [counter, count] : own_is_reference ? context.samples().counters : other->counters) {
+      context.figures["reference." + counter] = {static_cast<double>(count), "1"};
+    }
+    return {CompareNrmse(context, p_.signal, own_is_reference ? own : others, own_is_reference ? others : own, p_.nrmse,
+                         name, kName, p_.origin)};
+  }
+
+ private:
+  Params p_;
+};
+
+class OracleCheck : public CheckPlan {
+ public:
+  struct Params {
+    std::string oracle, signal, origin;
+    double nrmse = 0.0;
+    void Visit(auto& v) {
+      std::vector<std::string> names;
+      for (const auto& [name, function] : oracles::All()) names.push_back(name);
+      v.Required("oracle", oracle, names, "the independent reference (golden/oracles)");
+      v.Required("signal", signal, Any(), "output that is compared");
+      v.Required("nrmse", nrmse, Positive("1"), "largest distance from the oracle");
+      v.Required("origin", origin, Any(), "why this limit");
+    }
+  };
+  static constexpr const char* kName = "oracle";
+  static constexpr const char* kSummary = "the run against an independent reference";
+  explicit OracleCheck(Params params) : p_(std::move(params)) {}
+  std::vector<std::string> Signals() const { return {p_.signal}; }
+
+  std::vector<score::Check> Run(CheckContext& context) const override {
+    const std::string name = fmt::format("{} {}", p_.oracle, p_.signal);
+    const Result<std::vector<double>> answer = context.Oracle(p_.oracle, p_.signal);
+    if (!answer.ok()) return {NotMade(name, kName, p_.nrmse, p_.origin, answer.failure())};
+    return {CompareNrmse(context, p_.signal, {context.samples().time, *answer},
+                         SeriesOf(context.samples(), context.rig(), p_.signal), p_.nrmse, name, kName, p_.origin)};
+  }
+
+ private:
+  Params p_;
+};
+
+struct Kind {
+  CheckKindInfo info;
+  std::function<std::unique_ptr<CheckPlan>(const Value&, const Rig&, Diagnostics&)> make;
+};
+
+template <class C>
+Kind MakeKind() {
+  return {{C::kName, C::kSummary, ListParams<typename C::Params>()},
+          [](const Value& table, const Rig& rig, Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
+            typename C::Params params;
+            if (!ReadParams(table, params, diagnostics, fmt::format("check.{}", C::kName), {"kind"})) return nullptr;
+            auto check = std::make_unique<C>(std::move(params));
+            bool good = true;
+            for (const std::string& signal : check->Signals()) {
+              if (FindOutput(rig, signal) >= 0) continue;
+              std::vector<std::string> names;
+              for (const OutputLine& line : rig.outputs) names.push_back(line.name);
+              const std::optional<std::string> near = Closest(signal, names);
+              const Value* where = table.Find("signal");
+              diagnostics.Error(where != nullptr ? where->where() : table.where(),
+                                fmt::format("there is no output \"{}\" to check", signal),
+                                near ? fmt::format("did you mean \"{}\"?", *near)
+                                     : fmt::format("outputs: {}", fmt::join(names, ", ")));
+              good = false;
+            }
+            return good ? std::move(check) : nullptr;
+          }};
+}
+
+const std::vector<Kind>& Kinds() {
+  static const std::vector<Kind> kinds = {MakeKind<GoldenCheck>(), MakeKind<OracleCheck>(), MakeKind<ResonancesCheck>(),
+                                          MakeKind<SolversCheck>()};
+  return kinds;
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
+  std::vector<std::unique_ptr<CheckPlan>> checks;
+  const Value* tables = plan.root.Find("check");
+  if (tables == nullptr) return checks;
+  if (!tables->is_array()) {
+    diagnostics.Error(tables->where(), "\"check\" is " + tables->KindName(), "write [[check]]");
+    return checks;
+  }
+  std::vector<std::string> names;
+  for (const Kind& kind : Kinds()) names.push_back(kind.info.name);
+  for (const Value& table : tables->array()) {
+    const Value* name = table.Find("kind");
+    if (name == nullptr || !name->is_string()) {
+      diagnostics.Error(table.where(), "a check needs a \"kind\"", fmt::format("known: {}", fmt::join(names, ", ")));
+      continue;
+    }
+    const auto kind = std::find_if(Kinds().begin(), Kinds().end(),
+                                   [name](const Kind& one) { return one.info.name == name->string(); });
+    if (kind == Kinds().end()) {
+      const std::optional<std::string> near = Closest(name->string(), names);
+      diagnostics.Error(
+          name->where(), fmt::format("there is no check of kind \"{}\"", name->string()),
+          near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
+      continue;
+    }
+    if (auto check = kind->make(table, rig, diagnostics)) checks.push_back(std::move(check));
+  }
+  return checks;
+}
+
+std::vector<CheckKindInfo> CheckKinds() {
+  std::vector<CheckKindInfo> infos;
+  for (const Kind& kind : Kinds()) infos.push_back(kind.info);
+  return infos;
+}
+
+}  // namespace dynoproof

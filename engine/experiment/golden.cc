@@ -1,0 +1,196 @@
+#include "experiment/golden.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "base/atomic_file.h"
+#include "experiment/check_kinds.h"
+#include "experiment/why.h"
+#include "scenario/load.h"
+#include "score/tube.h"
+#include "trace/trace_io.h"
+
+namespace dynoproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t NextPrime(std::size_t n) {
+  for (;; ++n) {
+    bool prime = n > 1;
+    for (std::size_t d = 2; d * d <= n && prime; ++d) prime = n % d != 0;
+    if (prime) return n;
+  }
+}
+
+std::vector<double> EveryNth(const std::vector<double>& values, std::size_t n) {
+  std::vector<double> thin;
+  for (std::size_t i = 0; i < values.size(); i += n) thin.push_back(values[i]);
+  return thin;
+}
+
+score::Check Failed(const std::string& name, const std::string& kind, std::string why) {
+  score::Check check;
+  check.name = name;
+  check.kind = kind;
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.limit = 1.0;
+  check.unit = "1";
+  check.origin = "a comparison that does not happen proves nothing";
+  check.explanation = std::move(why);
+  return check;
+}
+
+score::Interpolation ToScore(trace::Interpolation interpolation) {
+  return interpolation == trace::Interpolation::kHold ? score::Interpolation::kHold : score::Interpolation::kLinear;
+}
+
+/// The samples of `test` at exactly the times of `reference`; empty when it lacks one (within a millionth of a step).
+std::vector<double> SamplesAt(std::span<const double> times, std::span<const double> test_time,
+                              std::span<const double> values) {
+  std::vector<double> samples;
+  const double slack = 1e-6 * score::MedianStep(test_time);
+  for (const double time : times) {
+    const auto it = std::lower_bound(test_time.begin(), test_time.end(), time - slack);
+    if (it == test_time.end() || *it > time + slack) return {};
+    samples.push_back(values[it - test_time.begin()]);
+  }
+  return samples;
+}
+
+}  // namespace
+
+std::string GoldenFolder() { return (fs::path(ScenarioFolder()).parent_path() / "golden").lexically_normal().string(); }
+
+Result<GoldenTolerances> ReadTolerances(const std::string& file) {
+  Diagnostics diagnostics;
+  const std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
+  if (!plan) return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
+  GoldenTolerances tolerances;
+  if (const Value* reason = plan->root.Find("reason"); reason != nullptr && reason->is_string())
+    tolerances.reason = reason->string();
+  const Value* signals = plan->root.Find("signal");
+  for (const Value::Entry& entry : signals != nullptr && signals->is_table() ? signals->table() : Value::Table{}) {
+    GoldenTolerances::OfSignal tolerance;
+    if (!ReadParams(entry.value, tolerance, diagnostics, "signal." + entry.key)) {
+      return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
+    }
+    tolerances.signals[entry.key] = tolerance;
+  }
+  return tolerances;
+}
+
+trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes) {
+  std::size_t numbers = trace.time.size();
+  for (const std::vector<double>& time : trace.other_times) numbers += time.size();
+  for (const trace::Signal& signal : trace.signals) numbers += signal.values.size();
+  const std::size_t least = (8 * numbers + most_bytes - 1) / most_bytes;
+  // A prime step never falls into step with a period of the signal or of a controller.
+  const std::size_t step = least <= 1 ? 1 : NextPrime(least);
+  trace::Trace thin = trace;
+  const auto thin_out = [step](std::vector<double>& values) {
+    values = EveryNth(values, values.size() < 4000 ? 1 : step);
+  };
+  thin_out(thin.time);
+  for (std::vector<double>& time : thin.other_times) thin_out(time);
+  for (trace::Signal& signal : thin.signals) thin_out(signal.values);
+  return thin;
+}
+
+std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
+                                        const std::map<std::string, GoldenTolerances::OfSignal>& tolerances,
+                                        const std::string& kind) {
+  std::vector<score::Check> checks;
+  for (const trace::Signal& want : reference.signals) {
+    const std::string name = kind + " " + want.name;
+    const trace::Signal* have = test.Find(want.name);
+    if (have == nullptr) {
+      checks.push_back(Failed(name, kind, fmt::format("the run has no signal \"{}\"", want.name)));
+      continue;
+    }
+    if (have->unit != want.unit) {
+      checks.push_back(Failed(name, kind, fmt::format("unit \"{}\" instead of \"{}\"", have->unit, want.unit)));
+      continue;
+    }
+    const std::span<const double> times = reference.TimeOf(want), test_times = test.TimeOf(*have);
+    const std::vector<double> samples = SamplesAt(times, test_times, have->values);
+    if (samples.empty()) {
+      checks.push_back(Failed(
+          name, kind,
+          fmt::format("other time stamps: {} samples from {} to {} s", test_times.size(),
+                      test_times.empty() ? 0.0 : test_times.front(), test_times.empty() ? 0.0 : test_times.back())));
+      continue;
+    }
+    if (test_times.back() > times.back() + (times.size() > 1 ? 1.5 * (times.back() - times[times.size() - 2]) : 0.0)) {
+      checks.push_back(
+          Failed(name, kind,
+                 fmt::format("the run goes on to {} s, the reference ends at {} s", test_times.back(), times.back())));
+      continue;
+    }
+    const auto found = tolerances.find(want.name);
+    const GoldenTolerances::OfSignal tolerance =
+        found == tolerances.end() ? GoldenTolerances::OfSignal{} : found->second;
+    const score::Series golden{times, want.values, ToScore(want.interpolation)},
+        run{times, samples, ToScore(want.interpolation)};
+    score::TubeOptions options;
+    options.relative_width = tolerance.relative_width;
+    options.nominal = want.nominal;
+    options.time_half_width_s = tolerance.time_half_width_s;
+    score::Check check = score::TubeCheck(score::CompareTube(golden, run, options), name, tolerance.origin);
+    check.kind = kind == "golden" ? "tube" : kind;
+    if (check.verdict != score::Verdict::kPass && score::FaultOf(run, "run").empty()) {
+      check.explanation = Why(golden, run, tolerance.relative_width * want.nominal, want.unit);
+    }
+    checks.push_back(std::move(check));
+  }
+  for (const trace::Signal& have : test.signals) {
+    if (reference.Find(have.name) != nullptr) continue;
+    checks.push_back(
+        Failed(kind + " " + have.name, kind, fmt::format("the reference has no signal \"{}\"", have.name)));
+  }
+  return checks;
+}
+
+std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::Trace& run) {
+  const std::string file = (fs::path(GoldenFolder()) / (id + ".h5")).string();
+  const Result<trace::Trace> golden = trace::ReadTrace(file);
+  if (!golden.ok()) {
+    return {Failed(
+        "golden", "tube",
+        fmt::format("{}; if this run is right: dynoproof bless {} --reason TEXT", golden.failure().ToString(), id))};
+  }
+  const Result<GoldenTolerances> tolerances = ReadTolerances((fs::path(GoldenFolder()) / (id + ".toml")).string());
+  if (!tolerances.ok()) return {Failed("golden", "tube", tolerances.failure().ToString())};
+  return CompareTraces(*golden, run, tolerances->signals, "golden");
+}
+
+Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason) {
+  const Result<GoldenTolerances> old = ReadTolerances((fs::path(GoldenFolder()) / (id + ".toml")).string());
+  const fs::path folder = GoldenFolder();
+  trace::Trace thin = Thin(run);
+  if (Status failed = trace::WriteTrace(folder / (id + ".h5"), thin, {.deflate_level = 9})) return failed;
+  Value root;
+  root["reason"] = Value(reason);
+  for (const char* key : {"version", "commit", "compiler", "cpu"}) {
+    root["provenance"][key] = Value(run.provenance.Text(key).value_or("unknown"));
+  }
+  for (const trace::Signal& signal : thin.signals) {
+    const bool kept = old.ok() && old->signals.contains(signal.name);
+    const GoldenTolerances::OfSignal of = kept ? old->signals.at(signal.name) : GoldenTolerances::OfSignal{};
+    Value& table = root["signal"][signal.name];
+    table["relative_width"] = Value(of.relative_width);
+    if (of.time_half_width_s > 0.0) table["time_half_width_s"] = Value(of.time_half_width_s);
+    table["origin"] = Value(of.origin);
+  }
+  return WriteFileAtomically(folder / (id + ".toml"), ToToml(root));
+}
+
+std::vector<score::Check> GoldenCheck::Run(CheckContext& context) const {
+  return CompareWithGolden(context.plan().id, *context.trace);
+}
+
+}  // namespace dynoproof

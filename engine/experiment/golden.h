@@ -1,0 +1,53 @@
+// Golden traces: what a run gave when a person last looked at it and said "this is right", thinned out to at most 200
+// kB.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "base/status.h"
+#include "model/params.h"
+#include "score/verdict.h"
+#include "trace/trace.h"
+
+namespace dynoproof {
+
+/// golden/<id>.toml: tolerances and where they come from.
+struct GoldenTolerances {
+  struct OfSignal {
+    double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
+    double time_half_width_s = 0.0;
+    std::string origin = "measured: the same build on other vector instructions differs by at most 1e-9; factor 100";
+    void Visit(auto& v) {
+      v.Required("relative_width", relative_width, Positive("1"), "half-width over the nominal");
+      v.Optional("time_half_width_s", time_half_width_s, NonNegative(), "how much earlier or later");
+      v.Required("origin", origin, Any(), "why");
+    }
+  };
+  std::string reason;  // of the last bless
+  std::map<std::string, OfSignal> signals;
+};
+
+/// The folder of the golden files: `golden` beside the scenario folder.
+std::string GoldenFolder();
+
+/// Reads [signal.NAME] tables and the reason from a TOML file.
+Result<GoldenTolerances> ReadTolerances(const std::string& file);
+
+/// The trace with every k-th sample of each signal (k the same prime for all), small enough to be kept. Pointwise
+/// comparison at those samples is exact: thinning adds no error, what lies between is covered by the hull signals.
+trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
+
+/// Compares a run with its golden files; one check per golden signal, one for signals that are new or gone. A missing
+/// or unreadable golden file is a failed check.
+std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::Trace& run);
+
+/// Writes golden/<id>.{h5,toml} from a run. Tolerances that stand there already are kept.
+Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason);
+
+/// Two traces signal by signal: missing, extra and short signals fail. `tolerance(name)` gives the tube.
+std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
+                                        const std::map<std::string, GoldenTolerances::OfSignal>& tolerances,
+                                        const std::string& kind);
+
+}  // namespace dynoproof

@@ -1,0 +1,101 @@
+#include "experiment/prepare.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "experiment/analysis.h"
+#include "scenario/load.h"
+#include "score/series.h"
+
+namespace dynoproof {
+namespace {
+
+std::vector<std::string> KeysOfSection(const Plan& plan, const char* section) {
+  const Value* tables = plan.root.Find(section);
+  return tables != nullptr ? KeysOf(*tables) : std::vector<std::string>{};
+}
+
+/// Drives the inputs of the record by it, for as long as it lasts.
+void DriveByRecord(const MappedRecord& data, Plan& plan) {
+  for (const auto& [name, series] : data.inputs) {
+    Value& input = plan.root["input"][name];
+    input.Erase("from");
+    input["source"] = Value{{"type", "replay"}, {"record", name}};
+  }
+  Value& run = plan.root["run"];
+  const Value* written = run.Find("period_s");
+  double period_s = written != nullptr && written->is_number() ? written->number() : RunSettings{}.period_s;
+  // A record of a slower rate that the run's period does not divide sets the period: its inputs are held sample by
+  // sample.
+  const Series& any = data.inputs.empty() ? data.outputs.begin()->second : data.inputs.begin()->second;
+  const double step_s = score::MedianStep(*any.time), ratio = step_s / period_s;
+  if (std::abs(ratio - std::round(ratio)) > 1e-6 * ratio) {
+    period_s = std::round(step_s * 1e9) * 1e-9;
+    run["period_s"] = Value(period_s);
+  }
+  run["duration_s"] = Value(std::max(1.0, std::floor(data.end_s / period_s * (1.0 + 1e-9))) * period_s);
+}
+
+/// Reads the files that `replay` sources name, anywhere in the tree.
+void ReadReplays(const Value& value, const std::string& folder, Records& records, Diagnostics& diagnostics) {
+  if (value.is_array()) {
+    for (const Value& item : value.array()) ReadReplays(item, folder, records, diagnostics);
+  }
+  if (!value.is_table()) return;
+  for (const Value::Entry& entry : value.table()) ReadReplays(entry.value, folder, records, diagnostics);
+  const auto text = [&value](const char* key) {
+    const Value* found = value.Find(key);
+    return found != nullptr && found->is_string() ? found->string() : "";
+  };
+  if (text("type") != "replay" || text("file").empty()) return;
+  const std::string file = (std::filesystem::path(folder) / text("file")).lexically_normal().string();
+  const Result<trace::Record> record = ReadRecord(file);
+  if (!record.ok()) {
+    diagnostics.Error(value.Find("file")->where(), record.failure().ToString());
+    return;
+  }
+  const SignalName wanted{text("column"), ""};
+  const std::optional<MappedRecord> mapped = MapRecord(*record, "", {wanted}, {}, diagnostics);
+  if (mapped) records[text("file") + "#" + text("column")] = mapped->inputs.at(text("column"));
+}
+
+}  // namespace
+
+std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
+                                  Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  auto prepared = std::make_unique<Prepared>();
+  prepared->records = std::make_shared<Records>();
+  if (!options.solver.empty()) plan.root["run"]["solver"] = Value(options.solver);
+  if (options.data != nullptr) {
+    DriveByRecord(*options.data, plan);
+    for (const auto& [name, series] : options.data->inputs) (*prepared->records)[name] = series;
+  }
+  const std::string folder = std::filesystem::path(plan.file).parent_path().string();
+  if (const Value* inputs = plan.root.Find("input")) ReadReplays(*inputs, folder, *prepared->records, diagnostics);
+  ApplyEffects(registry, plan, diagnostics);
+  if (const Value* title = plan.root.Find("title"); title != nullptr && title->is_string())
+    prepared->title = title->string();
+  prepared->rig = Rig::Build(plan, registry, *prepared->records, diagnostics);
+  // Without a rig the names alone serve, so that every fault of a file is reported in one go.
+  Rig names;
+  for (const std::string& name : KeysOfSection(plan, "input")) names.inputs.emplace_back().name = name;
+  for (const std::string& name : KeysOfSection(plan, "output")) names.outputs.emplace_back().name = name;
+  const Rig& rig = prepared->rig != nullptr ? *prepared->rig : names;
+  ReadAnalysis(plan, rig, diagnostics);
+  // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
+  if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);
+  prepared->plan = std::move(plan);
+  return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
+}
+
+std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
+                                  Diagnostics& diagnostics) {
+  std::optional<Plan> plan = LoadPlan(file, options.overrides, diagnostics);
+  if (!plan) return nullptr;
+  return Prepare(std::move(*plan), options, registry, diagnostics);
+}
+
+}  // namespace dynoproof

@@ -1,0 +1,38 @@
+// From a scenario file to something that can run: plan loaded, effects applied, rig built, checks understood. Every
+// fault of all of these is found before anything runs.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiment/checks.h"
+#include "experiment/records.h"
+#include "model/registry.h"
+#include "sim/rig.h"
+
+namespace dynoproof {
+
+struct Prepared {
+  Plan plan;  // effects applied
+  std::string title;
+  std::unique_ptr<Rig> rig;
+  std::vector<std::unique_ptr<CheckPlan>> checks;
+  std::shared_ptr<Records> records;
+};
+
+struct PrepareOptions {
+  std::vector<std::string> overrides;  // --set
+  std::string solver;                  // --solver; empty: the scenario's own
+  const MappedRecord* data = nullptr;  // --data: drives the inputs it has
+};
+
+/// Null when there was any error.
+std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
+                                  Diagnostics& diagnostics);
+
+/// The same for a plan that is already loaded.
+std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
+                                  Diagnostics& diagnostics);
+
+}  // namespace dynoproof

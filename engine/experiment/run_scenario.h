@@ -1,0 +1,38 @@
+// One scenario from start to verdict: simulate, write the trace, make the checks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/checks.h"
+#include "experiment/prepare.h"
+#include "score/verdict.h"
+#include "trace/trace.h"
+
+namespace dynoproof {
+
+struct ScenarioResult {
+  std::string id, title;
+  score::Verdict verdict = score::Verdict::kFail;
+  std::string trace_file;  // empty when none was written
+  std::vector<score::Check> checks;
+  Figures figures;
+  std::string broken;  // why, for a verdict of kBroken
+  std::vector<std::string> notes;
+};
+
+struct RunOptions {
+  std::string out = "out";  // folder; traces go to out/<id>.h5
+  const MappedRecord* data = nullptr;
+  Progress progress;
+};
+
+ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options);
+
+/// The trace of a run: commands, samples, hull of the analysed output, resolved scenario, provenance.
+trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples);
+
+/// Version, commit, compiler: what every provenance begins with.
+trace::Provenance BuildProvenance();
+
+}  // namespace dynoproof

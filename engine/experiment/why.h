@@ -1,0 +1,14 @@
+// The sentence under a failed comparison: where it begins, how much, and the likely cause.
+#pragma once
+
+#include <string>
+
+#include "score/series.h"
+
+namespace dynoproof {
+
+/// "apart from t = 1.2 s on (3.4 instead of 3.1 N m), most at t = ...; likely cause: gain 1.05". `threshold` [unit of
+/// the signal] is the error from which on two values count as apart.
+std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit);
+
+}  // namespace dynoproof

@@ -1,0 +1,385 @@
+#include "mechanics/block_diagonal.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+namespace dynoproof::mechanics {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Powers of two d that bring rows and columns of D^-1 A D to similar size (Parlett and Reinsch 1969), 1-norm.
+VectorXd BalancingScale(const MatrixXd& A) {
+  const int n = static_cast<int>(A.rows());
+  VectorXd scale = VectorXd::Ones(n);
+  constexpr int kSweeps = 100;  // far more than needed: a safety against cycles only
+  bool changed = true;
+  for (int sweep = 0; changed && sweep < kSweeps; ++sweep) {
+    changed = false;
+    for (int i = 0; i < n; ++i) {
+      double column = 0.0, row = 0.0;
+      for (int j = 0; j < n; ++j) {
+        if (j == i) continue;
+        column += std::abs(A(j, i)) * scale[i] / scale[j];
+        row += std::abs(A(i, j)) * scale[j] / scale[i];
+      }
+      if (column == 0.0 || row == 0.0) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (column * factor + row / factor >= 0.95 * (column + row)) continue;
+      scale[i] *= factor;
+      changed = true;
+    }
+  }
+  return scale;
+}
+
+/// An order of the states in which A is block upper triangular, one strongly connected set of states a block.
+struct Cascade {
+  std::vector<int> order;
+  std::vector<int> starts;  // first place of each set in `order`, and n at the end
+};
+
+Cascade FindCascade(const MatrixXd& A) {
+  const int n = static_cast<int>(A.rows());
+  // Bit j of reach[i]: j acts on i, through any number of states (Warshall's closure).
+  const int words = (n + 63) / 64;
+  std::vector<std::vector<std::uint64_t>> reach(n, std::vector<std::uint64_t>(words, 0));
+  const auto acts = [&reach](int i, int j) { return (reach[i][j / 64] >> (j % 64) & 1) != 0; };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      if (i == j || A(i, j) != 0.0) reach[i][j / 64] |= std::uint64_t{1} << (j % 64);
+    }
+  }
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < n; ++i) {
+      if (!acts(i, k)) continue;
+      for (int w = 0; w < words; ++w) reach[i][w] |= reach[k][w];
+    }
+  }
+  std::vector<int> first(n), influences(n, 0);  // smallest state of the set; how many states act on it
+  for (int i = 0; i < n; ++i) {
+    first[i] = i;
+    for (int j = i - 1; j >= 0; --j) {
+      if (acts(i, j) && acts(j, i)) first[i] = j;
+    }
+    for (const std::uint64_t word : reach[i]) influences[i] += std::popcount(word);
+  }
+  Cascade cascade;
+  cascade.order.resize(n);
+  std::iota(cascade.order.begin(), cascade.order.end(), 0);
+  // A state that feels another without acting back feels strictly more states, so it comes first.
+  std::sort(cascade.order.begin(), cascade.order.end(), [&](int a, int b) {
+    if (influences[a] != influences[b]) return influences[a] > influences[b];
+    return first[a] != first[b] ? first[a] < first[b] : a < b;
+  });
+  for (int i = 0; i < n; ++i) {
+    if (i == 0 || first[cascade.order[i]] != first[cascade.order[i - 1]]) cascade.starts.push_back(i);
+  }
+  cascade.starts.push_back(n);
+  return cascade;
+}
+
+/// Q with Q^T A Q = S quasi upper triangular; false when an eigenvalue iteration did not converge.
+bool CascadeSchur(const MatrixXd& A, MatrixXd& Q, MatrixXd& S) {
+  const int n = static_cast<int>(A.rows());
+  const Cascade cascade = FindCascade(A);
+  const int sets = static_cast<int>(cascade.starts.size()) - 1;
+  MatrixXd ordered(n, n), vectors = MatrixXd::Zero(n, n);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) ordered(i, j) = A(cascade.order[i], cascade.order[j]);
+  }
+  S = MatrixXd::Zero(n, n);
+  for (int s = 0; s < sets; ++s) {
+    const int first = cascade.starts[s], size = cascade.starts[s + 1] - first;
+    if (size == 1) {
+      vectors(first, first) = 1.0;
+      S(first, first) = ordered(first, first);
+      continue;
+    }
+    const Eigen::RealSchur<MatrixXd> schur(MatrixXd(ordered.block(first, first, size, size)));
+    if (schur.info() != Eigen::Success) return false;
+    vectors.block(first, first, size, size) = schur.matrixU();
+    S.block(first, first, size, size) = schur.matrixT();
+  }
+  for (int s = 0; s < sets; ++s) {
+    const int row = cascade.starts[s], rows = cascade.starts[s + 1] - row;
+    for (int t = s + 1; t < sets; ++t) {
+      const int col = cascade.starts[t], cols = cascade.starts[t + 1] - col;
+      const auto coupling = ordered.block(row, col, rows, cols);
+      if ((coupling.array() == 0.0).all()) continue;  // stays exactly zero
+      S.block(row, col, rows, cols) =
+          vectors.block(row, row, rows, rows).transpose() * coupling * vectors.block(col, col, cols, cols);
+    }
+  }
+  Q.resize(n, n);
+  for (int i = 0; i < n; ++i) Q.row(cascade.order[i]) = vectors.row(i);
+  return true;
+}
+
+/// X of F X - X G = H for blocks of at most 2 x 2; infinite when an eigenvalue is shared.
+MatrixXd SmallSylvester(const MatrixXd& F, const MatrixXd& G, const MatrixXd& H) {
+  const int p = static_cast<int>(F.rows()), q = static_cast<int>(G.rows());
+  if (p == 1 && q == 1) return H / (F(0, 0) - G(0, 0));
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+  Small kronecker = Small::Zero(p * q, p * q);
+  SmallVector right(p * q);
+  for (int j = 0; j < q; ++j) {
+    kronecker.block(j * p, j * p, p, p) += F;
+    for (int k = 0; k < q; ++k) {
+      for (int i = 0; i < p; ++i) kronecker(j * p + i, k * p + i) -= G(k, j);
+    }
+    right.segment(j * p, p) = H.col(j);
+  }
+  const Eigen::FullPivLU<Small> lu(kronecker);
+  if (!lu.isInvertible()) return MatrixXd::Constant(p, q, std::numeric_limits<double>::infinity());
+  const SmallVector solution = lu.solve(right);
+  return Eigen::Map<const MatrixXd>(solution.data(), p, q);
+}
+
+/// The diagonal blocks of S, and which of them must stay together.
+struct Clusters {
+  std::vector<int> first, size, label;
+  int count() const { return static_cast<int>(first.size()); }
+  void Merge(int a, int b) {
+    const int from = std::max(label[a], label[b]), to = std::min(label[a], label[b]);
+    for (int& l : label) {
+      if (l == from) l = to;
+    }
+  }
+};
+
+Clusters SchurBlocks(const MatrixXd& S) {
+  Clusters blocks;
+  const int n = static_cast<int>(S.rows());
+  for (int i = 0; i < n;) {
+    const int size = i + 1 < n && S(i + 1, i) != 0.0 ? 2 : 1;
+    blocks.first.push_back(i);
+    blocks.size.push_back(size);
+    blocks.label.push_back(blocks.count() - 1);
+    i += size;
+  }
+  return blocks;
+}
+
+/// Y (unit block upper triangular) and N with S Y = Y N, where N couples members of one cluster only. Where an entry of
+/// Y would exceed `bound` it merges two clusters and returns false: earlier columns change too, so start again.
+bool TryDecouple(const MatrixXd& S, double bound, Clusters& clusters, MatrixXd& Y, MatrixXd& N) {
+  const int n = static_cast<int>(S.rows());
+  Y = MatrixXd::Identity(n, n);
+  N = MatrixXd::Zero(n, n);
+  for (int j = 0; j < clusters.count(); ++j) {
+    const int cj = clusters.first[j], nj = clusters.size[j];
+    N.block(cj, cj, nj, nj) = S.block(cj, cj, nj, nj);
+    for (int i = j - 1; i >= 0; --i) {
+      const int ci = clusters.first[i], ni = clusters.size[i], between = cj - ci - ni;
+      MatrixXd rest = S.block(ci, cj, ni, nj);
+      rest.noalias() += S.block(ci, ci + ni, ni, between) * Y.block(ci + ni, cj, between, nj);
+      rest.noalias() -= Y.block(ci, ci + ni, ni, between) * N.block(ci + ni, cj, between, nj);
+      if (clusters.label[i] == clusters.label[j]) {
+        N.block(ci, cj, ni, nj) = rest;
+        continue;
+      }
+      if ((rest.array() == 0.0).all()) continue;
+      const MatrixXd solution = SmallSylvester(S.block(ci, ci, ni, ni), S.block(cj, cj, nj, nj), -rest);
+      if (!(solution.cwiseAbs().maxCoeff() <= bound)) {
+        clusters.Merge(i, j);
+        return false;
+      }
+      Y.block(ci, cj, ni, nj) = solution;
+    }
+  }
+  return true;
+}
+
+/// Brings a 2 x 2 matrix with complex eigenvalues to [a b; -b a], b > 0, by columns W; false when W would be
+/// ill-conditioned (a pair about to become real) or the eigenvalues are real.
+bool StandardPair(const Eigen::Matrix2d& M, Eigen::Matrix2d& W, Eigen::Matrix2d& pair) {
+  const double a = 0.5 * (M(0, 0) + M(1, 1)), d = 0.5 * (M(0, 0) - M(1, 1));
+  const double b_squared = -(d * d + M(0, 1) * M(1, 0));
+  constexpr double kSkew = 1e-3;  // of b over the largest entry: W then has a condition below about 1e3
+  const double largest = std::max({std::abs(d), std::abs(M(0, 1)), std::abs(M(1, 0))});
+  if (!(b_squared > kSkew * kSkew * largest * largest)) return false;
+  const double b = std::sqrt(b_squared);
+  // The eigenvector v of a + ib; W = (Re v, Im v) gives M W = W [a b; -b a].
+  if (std::abs(M(0, 1)) >= std::abs(M(1, 0))) {
+    W << M(0, 1), 0.0, -d, b;
+  } else {
+    W << d, b, M(1, 0), 0.0;
+  }
+  W *= std::sqrt(2.0) / W.norm();
+  pair << a, b, -b, a;
+  return true;
+}
+
+double SmallestEigenvalue(const MatrixXd& M) {
+  if (M.rows() == 1) return std::abs(M(0, 0));
+  return M.eigenvalues().cwiseAbs().minCoeff();
+}
+
+/// Collects the clusters as columns of T (balanced coordinates) with their blocks.
+void Assemble(const MatrixXd& Q, const Clusters& clusters, const MatrixXd& Y, const MatrixXd& N, BlockDiagonal& form) {
+  const int n = static_cast<int>(Q.rows());
+  struct Found {
+    MatrixXd columns, block;
+    int kind;  // 0 pair, 1 larger, 2 real
+    double frequency;
+  };
+  std::vector<Found> found;
+  const MatrixXd vectors = Q * Y;
+  for (int label = 0; label < clusters.count(); ++label) {
+    std::vector<int> members;
+    for (int b = 0; b < clusters.count(); ++b) {
+      if (clusters.label[b] != label) continue;
+      for (int i = 0; i < clusters.size[b]; ++i) members.push_back(clusters.first[b] + i);
+    }
+    const int size = static_cast<int>(members.size());
+    if (size == 0) continue;
+    Found item{MatrixXd(n, size), MatrixXd(size, size), size == 1 ? 2 : 1, 0.0};
+    for (int j = 0; j < size; ++j) {
+      item.columns.col(j) = vectors.col(members[j]);
+      for (int i = 0; i < size; ++i) item.block(i, j) = N(members[i], members[j]);
+    }
+    Eigen::Matrix2d W, pair;
+    if (size == 1) {
+      item.columns /= item.columns.norm();
+    } else {
+      const Eigen::HouseholderQR<MatrixXd> qr(item.columns);
+      const MatrixXd R = qr.matrixQR().topRows(size).triangularView<Eigen::Upper>();
+      item.block = R * item.block * R.inverse();
+      item.columns = qr.householderQ() * MatrixXd::Identity(n, size);
+      if (size == 2 && StandardPair(item.block, W, pair)) {
+        item.columns = item.columns * W;
+        item.block = pair;
+        item.kind = 0;
+      }
+    }
+    item.frequency = SmallestEigenvalue(item.block);
+    found.push_back(std::move(item));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return a.kind != b.kind ? a.kind < b.kind : a.frequency < b.frequency;
+  });
+  form.T.resize(n, n);
+  form.L = MatrixXd::Zero(n, n);
+  form.blocks.clear();
+  int first = 0;
+  for (const Found& item : found) {
+    const int size = static_cast<int>(item.block.rows());
+    form.T.middleCols(first, size) = item.columns;
+    form.L.block(first, first, size, size) = item.block;
+    form.blocks.push_back({first, size, item.kind == 0, item.frequency});
+    first += size;
+  }
+  form.T_inverse = form.T.partialPivLu().inverse();
+  // Squaring costs half the digits: still exact enough around the limit of 1e6 (1e12 of 1e16).
+  const VectorXd squares =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(form.T.transpose() * form.T, Eigen::EigenvaluesOnly).eigenvalues();
+  form.condition = squares[0] > 0.0 ? std::sqrt(squares[n - 1] / squares[0]) : std::numeric_limits<double>::infinity();
+}
+
+/// One Newton step: with R = A T - T L formed in long double, eigenvalue errors drop from round-off of |A| to round-off
+/// of each eigenvalue itself. Over 1e5 steps of a lightly damped mode that is its phase.
+void Refine(const MatrixXd& A, BlockDiagonal& form) {
+  using MatrixXld = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const MatrixXld T = form.T.cast<long double>();
+  MatrixXld residual = A.cast<long double>() * T;
+  for (const auto& b : form.blocks) {
+    residual.middleCols(b.first, b.size) -=
+        T.middleCols(b.first, b.size) * form.L.block(b.first, b.first, b.size, b.size).cast<long double>();
+  }
+  const MatrixXd F = form.T_inverse * residual.cast<double>();
+  const int n = static_cast<int>(A.rows());
+  MatrixXd X = MatrixXd::Zero(n, n);
+  const auto lambda = [&](const BlockDiagonal::Block& b) { return form.L.block(b.first, b.first, b.size, b.size); };
+  for (const auto& col : form.blocks) {
+    for (const auto& row : form.blocks) {
+      if (row.first == col.first || row.size > 2 || col.size > 2) continue;  // larger blocks stay as they are
+      const MatrixXd H = -F.block(row.first, col.first, row.size, col.size);
+      if ((H.array() == 0.0).all()) continue;
+      const MatrixXd correction = SmallSylvester(lambda(row), lambda(col), H);
+      // Between repeated eigenvalues the correction is undetermined and not needed: take small ones only.
+      if (correction.cwiseAbs().maxCoeff() < 1e-4) X.block(row.first, col.first, row.size, col.size) = correction;
+    }
+  }
+  for (const auto& block : form.blocks) {
+    const int i = block.first;
+    const MatrixXd E = F.block(i, i, block.size, block.size);
+    if (!block.pair) {
+      form.L.block(i, i, block.size, block.size) += E;
+      continue;
+    }
+    const double da = 0.5 * (E(0, 0) + E(1, 1)), db = 0.5 * (E(0, 1) - E(1, 0));
+    const double skew = 0.5 * (E(0, 0) - E(1, 1)), shear = 0.5 * (E(0, 1) + E(1, 0));
+    const double a = form.L(i, i), b = form.L(i, i + 1);
+    // What does not commute with [0 1; -1 0] is turned away: b (J X - X J) = -[skew shear; shear -skew].
+    X.block(i, i, 2, 2) << shear / (2.0 * b), -skew / (2.0 * b), -skew / (2.0 * b), -shear / (2.0 * b);
+    form.L.block(i, i, 2, 2) << a + da, b + db, -(b + db), a + da;
+  }
+  form.T += form.T * X;
+  form.T_inverse = form.T.partialPivLu().inverse();
+}
+
+BlockDiagonal Dense(const MatrixXd& A, double condition) {
+  const int n = static_cast<int>(A.rows());
+  BlockDiagonal form;
+  form.T = form.T_inverse = MatrixXd::Identity(n, n);
+  form.L = A;
+  form.blocks = {{0, n, false, SmallestEigenvalue(A)}};
+  form.condition = condition;
+  form.dense_fallback = true;
+  return form;
+}
+
+}  // namespace
+
+int BlockDiagonal::pairs() const {
+  return static_cast<int>(std::count_if(blocks.begin(), blocks.end(), [](const Block& b) { return b.pair; }));
+}
+
+std::string BlockDiagonal::Summary() const {
+  const std::string condition_text = "condition " + std::to_string(condition);
+  if (dense_fallback)
+    return "dense (n = " + std::to_string(L.rows()) + "): no well-conditioned blocks, " + condition_text;
+  int real = 0, larger = 0;
+  for (const Block& block : blocks) {
+    real += block.size == 1 ? 1 : 0;
+    larger += !block.pair && block.size > 1 ? 1 : 0;
+  }
+  return std::to_string(pairs()) + " pairs, " + std::to_string(larger) + " larger blocks, " + std::to_string(real) +
+         " real, " + condition_text;
+}
+
+BlockDiagonal BlockDiagonalise(const MatrixXd& A) {
+  assert(A.rows() == A.cols() && A.allFinite());
+  BlockDiagonal form;
+  if (A.rows() == 0) return form;
+  const VectorXd scale = BalancingScale(A);
+  const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal();
+  MatrixXd Q, S, Y, N;
+  if (!CascadeSchur(balanced, Q, S)) return Dense(A, std::numeric_limits<double>::infinity());
+  // A cautious bound first loses nothing but time; where several moderate couplings pile up, tighter ones follow.
+  for (const double bound : {1e3, 1e2, 1e1}) {
+    Clusters clusters = SchurBlocks(S);
+    while (!TryDecouple(S, bound, clusters, Y, N)) {
+    }
+    Assemble(Q, clusters, Y, N, form);
+    if (form.condition <= BlockDiagonal::kWorstCondition) break;
+  }
+  const bool one_block = form.blocks.size() == 1 && A.rows() > 2;
+  if (one_block || !(form.condition <= BlockDiagonal::kWorstCondition)) return Dense(A, form.condition);
+  Refine(balanced, form);
+  form.T = scale.asDiagonal() * form.T;
+  form.T_inverse = form.T_inverse * scale.cwiseInverse().asDiagonal();
+  return form;
+}
+
+}  // namespace dynoproof::mechanics

@@ -1,0 +1,102 @@
+#include "model/effect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/registry.h"
+
+namespace dynoproof {
+
+std::string Place::ToString() const { return kind + ":" + name + (quantity.empty() ? "" : "@" + quantity); }
+
+std::optional<Place> ParsePlace(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos || colon == 0 || colon + 1 == text.size()) return std::nullopt;
+  Place place;
+  place.kind = text.substr(0, colon);
+  text.remove_prefix(colon + 1);
+  const std::size_t at = std::min(text.find('@'), text.size());
+  place.name = text.substr(0, at);
+  if (at < text.size()) place.quantity = text.substr(at + 1);
+  return place;
+}
+
+namespace {
+
+/// The parameters in the effect's order; faults are reported.
+bool ReadParameters(const Effect& effect, const EffectUse& use, std::vector<double>& values, Diagnostics& diagnostics) {
+  const EffectInfo& info = effect.info();
+  const std::string more = "dynoproof describe " + info.name;
+  std::vector<std::string> names;
+  for (const EffectParameter& parameter : info.parameters) names.push_back(parameter.name);
+  bool good = true;
+  for (const EffectParameter& parameter : info.parameters) {
+    const Value* value = use.parameters.Find(parameter.name);
+    if (value == nullptr) {
+      diagnostics.Error(
+          use.where, fmt::format("effect {} needs the parameter \"{}\"", info.name, parameter.name),
+          fmt::format("{} [{}], {} ... {}", parameter.description, parameter.unit, parameter.lower, parameter.upper),
+          more);
+      good = false;
+    } else if (!value->is_number() || !Between(parameter.lower, parameter.upper).Contains(value->number())) {
+      diagnostics.Error(value->where(), fmt::format("\"{}\" of effect {} is out of range", parameter.name, info.name),
+                        fmt::format("a number [{}], {} ... {}", parameter.unit, parameter.lower, parameter.upper),
+                        more);
+      good = false;
+    } else {
+      values.push_back(value->number());
+    }
+  }
+  for (const Value::Entry& entry : use.parameters.is_table() ? use.parameters.table() : Value::Table{}) {
+    if (std::find(names.begin(), names.end(), entry.key) != names.end()) continue;
+    const std::optional<std::string> near = Closest(entry.key, names);
+    diagnostics.Error(
+        entry.where, fmt::format("effect {} has no parameter \"{}\"", info.name, entry.key),
+        near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("it has: {}", fmt::join(names, ", ")), more);
+    good = false;
+  }
+  return good;
+}
+
+}  // namespace
+
+bool ApplyEffect(const Registry& registry, const EffectUse& use, Plan& plan, Diagnostics& diagnostics) {
+  const Effect* effect = registry.FindEffect(use.name);
+  if (effect == nullptr) {
+    std::vector<std::string> names;
+    for (const Effect* known : registry.Effects()) names.push_back(known->info().name);
+    const std::optional<std::string> near = Closest(use.name, names);
+    diagnostics.Error(use.name_where.known() ? use.name_where : use.where,
+                      fmt::format("there is no effect \"{}\"", use.name),
+                      near ? fmt::format("did you mean \"{}\"?", *near) : "", "dynoproof list");
+    return false;
+  }
+  std::vector<double> values;
+  bool good = ReadParameters(*effect, use, values, diagnostics);
+  const std::vector<Place> places = effect->Places(plan);
+  const std::optional<Place> place = ParsePlace(use.at);
+  if (!place || std::find(places.begin(), places.end(), *place) == places.end()) {
+    std::vector<std::string> known;
+    for (const Place& one : places) known.push_back(one.ToString());
+    const std::optional<std::string> near = Closest(use.at, known);
+    diagnostics.Error(use.at_where.known() ? use.at_where : use.where,
+                      fmt::format("effect {} cannot sit at \"{}\"", use.name, use.at),
+                      near            ? fmt::format("did you mean \"{}\"?", *near)
+                      : known.empty() ? "this scenario has no place for it"
+                                      : fmt::format("places: {}", fmt::join(known, ", ")));
+    good = false;
+  }
+  if (good) effect->Apply(plan, *place, values);
+  return good;
+}
+
+bool ApplyEffects(const Registry& registry, Plan& plan, Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  for (const EffectUse& use : ReadEffects(plan, diagnostics)) ApplyEffect(registry, use, plan, diagnostics);
+  plan.root.Erase("effect");
+  return diagnostics.error_count() == before;
+}
+
+}  // namespace dynoproof

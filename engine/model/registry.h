@@ -1,0 +1,104 @@
+// The registry: every plugin by kind and name. Built-in and loaded plugins register by the same call.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/component.h"
+#include "model/effect.h"
+#include "model/law.h"
+#include "model/params.h"
+
+namespace dynoproof {
+
+class Registry;
+
+/// A recorded signal; shared, because a fit builds the same model many times.
+struct Series {
+  std::shared_ptr<const std::vector<double>> time, values;  // equal lengths, time strictly rising [s]
+};
+/// Recorded signals by name: what `replay` sources play. No plugin opens a file.
+using Records = std::map<std::string, Series>;
+
+/// What a plugin may know when it is built.
+struct BuildContext {
+  const Registry& registry;
+  Diagnostics& diagnostics;
+  std::string context;             // names the table in messages: "plant (drive_line)"
+  std::vector<std::string> known;  // keys of the table that the caller reads
+  double period_s = 1e-4;          // of the run
+  std::int64_t seed = 1;           // of this block's noise
+  double nominal = 1.0;            // of the input or output that a stage belongs to
+  const Records* records = nullptr;
+};
+
+/// What `list` and `describe` show. `kind` is plant, law, control, source, actuator or sensor.
+struct PluginInfo {
+  std::string kind, name, summary, law, source;
+  std::vector<ParamInfo> parameters;
+};
+
+template <class T>
+using Factory = std::function<std::unique_ptr<T>(const Value& table, BuildContext& context)>;
+
+class Registry {
+ public:
+  /// Registers a component or law class P with: P::Info() -> PluginInfo (parameters left empty), P::Params, and either
+  /// P(const P::Params&, const BuildContext&), P(const P::Params&) or P::Create(params, table, context). A plugin whose
+  /// parameters are tables of further plugins may have P::ReportMore(params, table, context): it is called when the
+  /// parameters were faulty, so that the faults inside those tables are reported in the same go.
+  template <class P>
+  void Add() {
+    PluginInfo info = P::Info();
+    info.parameters = ListParams<typename P::Params>();
+    const auto make = [](const Value& table, BuildContext& context) -> std::unique_ptr<P> {
+      typename P::Params params;
+      std::vector<std::string> known = context.known;
+      known.emplace_back("type");
+      if (!ReadParams(table, params, context.diagnostics, context.context, std::move(known))) {
+        if constexpr (requires { P::ReportMore(params, table, context); }) P::ReportMore(params, table, context);
+        return nullptr;
+      }
+      if constexpr (requires { P::Create(params, table, context); }) {
+        return P::Create(params, table, context);
+      } else if constexpr (std::is_constructible_v<P, const typename P::Params&, const BuildContext&>) {
+        return std::make_unique<P>(params, context);
+      } else {
+        return std::make_unique<P>(params);
+      }
+    };
+    if constexpr (std::is_base_of_v<Law, P>) {
+      laws_[info.name] = make;
+    } else {
+      components_[{info.kind, info.name}] = make;
+    }
+    plugins_[{info.kind, info.name}] = std::move(info);
+  }
+  void Add(std::unique_ptr<Effect> effect);
+
+  /// Builds from a table whose key `type` names the plugin; faults become diagnostics and null.
+  std::unique_ptr<Component> MakeComponent(const std::string& kind, const Value& table, BuildContext& context) const;
+  /// The same for a law; `key` is the key that names it ("law").
+  std::unique_ptr<Law> MakeLaw(const std::string& name, const Value& table, BuildContext& context) const;
+
+  const Effect* FindEffect(std::string_view name) const;
+  const PluginInfo* FindPlugin(const std::string& kind, const std::string& name) const;
+  std::vector<const PluginInfo*> Plugins() const;  // by kind, then name
+  std::vector<const Effect*> Effects() const;      // by name
+
+ private:
+  using Key = std::pair<std::string, std::string>;  // kind, name
+  std::map<Key, PluginInfo> plugins_;
+  std::map<Key, Factory<Component>> components_;
+  std::map<std::string, Factory<Law>> laws_;
+  std::map<std::string, std::unique_ptr<Effect>, std::less<>> effects_;
+};
+
+/// Registers every built-in plugin (engine/plugins/register_all.cc).
+void RegisterBuiltIns(Registry& registry);
+
+}  // namespace dynoproof

@@ -1,0 +1,70 @@
+#include "plugins/effect/parameter_changes.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "plugins/effect/plan_edit.h"
+
+namespace dynoproof::effects {
+namespace {
+
+class ParameterChange : public Effect {
+ public:
+  /// `kinds`: the kinds of place; `key`: the value's key there, which a lumped inertia (a bare number) does not need.
+  ParameterChange(std::string name, std::string what, double upper, std::vector<std::string> kinds, std::string key)
+      : kinds_(std::move(kinds)), key_(std::move(key)) {
+    // Below 10 % of the nominal value the model is wrong in kind, not in a number. The start is off 0 by what a data
+    // sheet is usually off by, so that a relative step of a fit changes something.
+    info_ = {std::move(name),
+             fmt::format("{} = nominal (1 + delta)", what),
+             fmt::format("the nominal {} is off", what),
+             {{"delta", "1", fmt::format("relative error of the {}", what), -0.9, upper, 0.0, 0.02}}};
+  }
+
+  std::vector<Place> Places(const Plan& plan) const override {
+    std::vector<Place> places;
+    for (const std::string& kind : kinds_) {
+      for (const std::string& name : NamesIn(plan, kind)) {
+        const Value* value = plan.root.FindPath(PathOf({kind, name, ""}));
+        if (value != nullptr && value->is_number() && value->number() != 0.0) places.push_back({kind, name, ""});
+      }
+    }
+    return places;
+  }
+
+  void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
+    Value& value = *plan.root.FindPath(PathOf(place));
+    Replace(value, Value(value.number() * (1.0 + parameters[0])));
+  }
+
+ private:
+  std::string PathOf(const Place& place) const {
+    return fmt::format("plant.{}.{}{}{}", place.kind, place.name, place.kind == "inertia" ? "" : ".",
+                       place.kind == "inertia" ? "" : key_);
+  }
+
+  std::vector<std::string> kinds_;
+  std::string key_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> InertiaChange() {
+  // A flange or a coupling left on can double a small inertia and more.
+  return std::make_unique<ParameterChange>("inertia_change", "inertia", 4.0,
+                                           std::vector<std::string>{"inertia", "rotor"}, "inertia_kg_m2");
+}
+
+std::unique_ptr<Effect> StiffnessChange() {
+  return std::make_unique<ParameterChange>("stiffness_change", "stiffness", 4.0,
+                                           std::vector<std::string>{"shaft", "rotor"}, "stiffness_Nm_per_rad");
+}
+
+std::unique_ptr<Effect> DampingChange() {
+  // Dampings are the least known numbers of a drive line: the thesis finds 5.5 beside 125 N m s/rad on one line (A.7).
+  return std::make_unique<ParameterChange>("damping_change", "damping", 49.0,
+                                           std::vector<std::string>{"shaft", "rotor"}, "damping_Nms_per_rad");
+}
+
+}  // namespace dynoproof::effects

@@ -1,0 +1,39 @@
+// How effects read and edit a plan: lookups that never fail, edits that keep the order and the source places.
+// The layout of a drive line's scenario is in engine/plugins/plant/drive_line/README.md.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/effect.h"
+
+namespace dynoproof::effects {
+
+/// The table [plant] when its type is drive_line and its sections are tables, else null.
+const Value* DriveLineOf(const Plan& plan);
+/// The section [plant.`name`] of a drive line, as a table; null when there is none.
+const Value* Section(const Plan& plan, std::string_view name);
+/// The keys of that section.
+std::vector<std::string> NamesIn(const Plan& plan, std::string_view section);
+
+/// inertia:NAME for each lumped inertia, then rotor:NAME for each soft rotor.
+std::vector<Place> BodyPlaces(const Plan& plan);
+
+/// A list that may stand as a single item without brackets.
+Value::Array ListOf(const Value* value);
+/// The strings of such a list.
+std::vector<std::string> StringsOf(const Value* value);
+/// True when a shaft's end names that body: "I1", "I1.left" and "I1.right" are at I1.
+bool IsAt(std::string_view end, std::string_view body);
+
+/// Replaces a value and keeps the place it was written at.
+void Replace(Value& value, Value by);
+/// Inserts an entry behind `after`, or at the end when there is no such key.
+void InsertAfter(Value& table, std::string_view after, const std::string& key, Value value);
+/// `wish`, or with _2, _3, ... behind it when a list has it already.
+std::string FreeName(const std::string& wish, const std::vector<std::string>& taken);
+/// Every name of a body, shaft, load, torque entry or run: outputs name all of them alike, so new ones must differ.
+std::vector<std::string> AllNames(const Plan& plan);
+
+}  // namespace dynoproof::effects

@@ -1,0 +1,25 @@
+#include "plugins/law/springs/springs.h"
+
+namespace dynoproof::laws {
+
+PluginInfo SpringDamperLaw::Info() {
+  return {"law", "spring_damper", "linear torsional spring and damper", "T = k d + c w", "thesis Sec. 2.2.1, (2.8)",
+          {}};
+}
+
+PluginInfo CubicSpring::Info() {
+  return {"law",
+          "cubic_spring",
+          "spring with a cubic part, and damper",
+          "T = k d + k3 d^3 + c w",
+          "Duffing oscillator, restoring torque",
+          {}};
+}
+
+void SpringDamperLaw::Params::Check(Faults& faults) const {
+  if (stiffness_Nm_per_rad == 0.0 && damping_Nms_per_rad == 0.0) {
+    faults.At("stiffness_Nm_per_rad", "stiffness and damping are both 0: nothing connects", "at least one > 0");
+  }
+}
+
+}  // namespace dynoproof::laws

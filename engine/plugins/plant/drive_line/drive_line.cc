@@ -1,0 +1,282 @@
+#include "plugins/plant/drive_line/drive_line.h"
+
+#include <cassert>
+
+#include "mechanics/energy_coordinates.h"
+
+namespace dynoproof {
+
+using mechanics::kGround;
+
+PluginInfo DriveLine::Info() {
+  return {"plant",
+          "drive_line",
+          "inertias, soft rotors, shafts and loads joined to a (branched) drive line",
+          "I_i dw_i/dt = sum of torques; a shaft transmits T = k (phi_a - phi_b) + c (w_a - w_b) or what its law says",
+          "thesis (2.8)-(2.12), (2.94), Figs. 2.12, 2.26, 2.31",
+          {}};
+}
+
+double DriveLine::Angle(std::span<const double> states, int node) const {
+  const int n = linear_.size();
+  return states[n - 1] + (node == 0 ? 0.0 : states[node - 1]);
+}
+
+double DriveLine::Speed(std::span<const double> states, int node) const { return states[linear_.size() + node]; }
+
+double DriveLine::Evaluate(const OutputTerm& term, std::span<const double> states) const {
+  using enum OutputTerm::Kind;
+  if (term.kind == kAngle) return Angle(states, term.index);
+  if (term.kind == kSpeed) return Speed(states, term.index);
+  const mechanics::Edge& edge = linear_.edges[term.index];
+  const auto relative = [states](int node) { return node == 0 ? 0.0 : states[node - 1]; };
+  const double twist = edge.to == kGround ? Angle(states, edge.from) : relative(edge.from) - relative(edge.to);
+  const double rate = Speed(states, edge.from) - (edge.to == kGround ? 0.0 : Speed(states, edge.to));
+  if (term.kind == kTwist) return twist;
+  if (term.kind == kRate) return rate;
+  return edge.stiffness * twist + edge.damping * rate;
+}
+
+LawView DriveLine::MakeView(const View& view, const Element& element, double holding) const {
+  double twist = 0.0, rate = 0.0, sum = 0.0;
+  for (const auto& [node, weight] : element.weights) {
+    twist += weight * (node == 0 ? 0.0 : view.states[node - 1]);
+    rate += weight * Speed(view.states, node);
+    sum += weight;
+  }
+  // Between two nodes the common angle cancels; it is left out instead of being subtracted from itself.
+  if (element.weights.size() != 2 || sum != 0.0) twist += sum * view.states[linear_.size() - 1];
+  const Layout& own = element.law->layout();
+  return {view.time_s,
+          twist,
+          rate,
+          holding,
+          view.states.subspan(element.state, own.states.size()),
+          view.modes.subspan(element.mode, own.modes)};
+}
+
+void DriveLine::Torques(const View& view, std::span<double> torque, std::span<ElementTorque> elements) const {
+  std::fill(torque.begin(), torque.end(), 0.0);
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    for (const auto& [node, weight] : inputs_[i]) torque[node] += weight * view.inputs[i];
+  }
+  const int n = linear_.size();
+  const double* angle = view.states.data() - 1;  // of node i >= 1, relative to node 0
+  const double* speed = view.states.data() + n;
+  for (const Spring& spring : springs_) {
+    const double from = spring.from == 0 ? 0.0 : angle[spring.from];
+    if (spring.to == kGround) {
+      torque[spring.from] -= spring.stiffness * (from + view.states[n - 1]) + spring.damping * speed[spring.from];
+      continue;
+    }
+    const double to = spring.to == 0 ? 0.0 : angle[spring.to];
+    const double transmitted =
+        spring.stiffness * (from - to) + spring.damping * (speed[spring.from] - speed[spring.to]);
+    torque[spring.from] -= transmitted;
+    torque[spring.to] += transmitted;
+  }
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    double holding = 0.0;
+    if (element.law->sticks()) {
+      for (const auto& [node, weight] : element.weights) holding += weight * torque[node] / linear_.nodes[node].inertia;
+      holding /= element.mobility;
+    }
+    const LawView law_view = MakeView(view, element, holding);
+    const double transmitted = element.law->Torque(law_view) - element.linear.stiffness * law_view.twist -
+                               element.linear.damping * law_view.rate;
+    for (const auto& [node, weight] : element.weights) torque[node] -= weight * transmitted;
+    elements[e] = {transmitted, holding};
+  }
+}
+
+namespace {
+
+/// Scratch memory of the calling thread: components are const, and the reference solver may take its time once.
+template <class T>
+std::span<T> Scratch(std::size_t size) {
+  thread_local std::vector<T> memory;
+  if (memory.size() < size) memory.resize(size);
+  return {memory.data(), size};
+}
+
+}  // namespace
+
+void DriveLine::Start(std::span<const double>, std::span<double> states, std::span<int> modes) const {
+  const int n = linear_.size();
+  for (int i = 0; i < n; ++i) states[n + i] = initial_speed_;
+  for (const Element& element : elements_) {
+    const LawView view = MakeView({0.0, {}, states, modes}, element, 0.0);
+    const Layout& own = element.law->layout();
+    element.law->Start(view.twist, view.rate, states.subspan(element.state, own.states.size()),
+                       modes.subspan(element.mode, own.modes));
+  }
+}
+
+bool DriveLine::FeedsThrough(int, int out) const {
+  const int element = readings_[out].element;
+  return element >= 0 && elements_[element].law->sticks();
+}
+
+void DriveLine::Output(const View& view, std::span<double> outputs) const {
+  const std::span<ElementTorque> elements = Scratch<ElementTorque>(elements_.size());
+  if (!elements_.empty()) Torques(view, Scratch<double>(linear_.nodes.size()), elements);
+  for (std::size_t i = 0; i < readings_.size(); ++i) {
+    double sum = readings_[i].element < 0 ? 0.0 : elements[readings_[i].element].beyond_linear;
+    for (const OutputTerm& term : readings_[i].terms) sum += Evaluate(term, view.states);
+    outputs[i] = sum;
+  }
+}
+
+void DriveLine::Derivative(const View& view, std::span<double> rates) const {
+  const int n = linear_.size();
+  const std::span<double> torque = rates.subspan(n, n);
+  const std::span<ElementTorque> elements = Scratch<ElementTorque>(elements_.size());
+  Torques(view, torque, elements);
+  for (int i = 0; i < n; ++i) torque[i] *= inverse_inertia_[i];
+  for (int i = 1; i < n; ++i) rates[i - 1] = view.states[n + i] - view.states[n];
+  rates[n - 1] = view.states[n];
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    const std::size_t own = element.law->layout().states.size();
+    if (own > 0)
+      element.law->Derivative(MakeView(view, element, elements[e].holding), rates.subspan(element.state, own));
+  }
+}
+
+void DriveLine::Guards(const View& view, std::span<double> values) const {
+  const std::span<ElementTorque> elements = Scratch<ElementTorque>(elements_.size());
+  Torques(view, Scratch<double>(linear_.nodes.size()), elements);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    const int own = element.law->layout().guards;
+    if (own > 0) element.law->Guards(MakeView(view, element, elements[e].holding), values.subspan(element.guard, own));
+  }
+}
+
+void DriveLine::OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const {
+  const std::span<ElementTorque> elements = Scratch<ElementTorque>(elements_.size());
+  Torques(view, Scratch<double>(linear_.nodes.size()), elements);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    const Layout& own = element.law->layout();
+    const int local = guard - element.guard;
+    if (local < 0 || local >= own.guards) continue;
+    element.law->OnEvent(MakeView(view, element, elements[e].holding), local,
+                         states.subspan(element.state, own.states.size()), modes.subspan(element.mode, own.modes));
+  }
+}
+
+std::vector<double> DriveLine::TorqueWeights(int input) const {
+  std::vector<double> weights(linear_.nodes.size(), 0.0);
+  for (const auto& [node, weight] : inputs_[input]) weights[node] += weight;
+  return weights;
+}
+
+std::vector<OutputTerm> DriveLine::OutputTerms(int output) const { return readings_[output].terms; }
+
+void DriveLine::Finish() {
+  for (const mechanics::Node& node : linear_.nodes) inverse_inertia_.push_back(1.0 / node.inertia);
+  for (const mechanics::Edge& edge : linear_.edges) {
+    if (edge.stiffness != 0.0 || edge.damping != 0.0) {
+      springs_.push_back({edge.from, edge.to, edge.stiffness, edge.damping});
+    }
+  }
+  BuildLinearPart();
+}
+
+void DriveLine::BuildLinearPart() {
+  const int n = linear_.size();
+  const int inputs = static_cast<int>(inputs_.size()), channels = static_cast<int>(elements_.size());
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, inputs + channels);
+  for (int i = 0; i < inputs; ++i) {
+    for (const auto& [node, weight] : inputs_[i]) weights(node, i) += weight;
+  }
+  for (int e = 0; e < channels; ++e) {
+    for (const auto& [node, weight] : elements_[e].weights) weights(node, inputs + e) -= weight;
+  }
+  auto built = mechanics::EnergyCoordinates::Build(linear_, weights);
+  assert(built.ok());  // the builder has checked all numbers
+  const mechanics::EnergyCoordinates& coordinates = *built;
+
+  const auto zero = [&coordinates] {
+    return mechanics::OutputRow{Eigen::RowVectorXd::Zero(coordinates.states()),
+                                Eigen::RowVectorXd::Zero(coordinates.integrators())};
+  };
+  std::vector<mechanics::OutputRow> rows;
+  for (const Reading& reading : readings_) {
+    mechanics::OutputRow sum = zero();
+    for (const OutputTerm& term : reading.terms) {
+      using enum OutputTerm::Kind;
+      const mechanics::OutputRow row = term.kind == kAngle   ? coordinates.Angle(term.index)
+                                       : term.kind == kSpeed ? coordinates.Speed(term.index)
+                                       : term.kind == kTwist ? coordinates.EdgeTwist(term.index)
+                                       : term.kind == kRate  ? coordinates.EdgeTwistRate(term.index)
+                                                             : coordinates.EdgeTorque(term.index);
+      sum.c += row.c;
+      sum.e += row.e;
+    }
+    rows.push_back(std::move(sum));
+  }
+  for (const Element& element : elements_) {
+    const auto& w = element.weights;
+    if (w.size() == 2 && w[0].second == -w[1].second) {  // a shaft: no rigid angle of its own part in the twist
+      rows.push_back(coordinates.Twist(w[0].first, w[1].first));
+      rows.push_back(coordinates.TwistRate(w[0].first, w[1].first));
+      continue;
+    }
+    mechanics::OutputRow twist = zero(), rate = zero();
+    for (const auto& [node, weight] : w) {
+      const mechanics::OutputRow angle = coordinates.Angle(node), speed = coordinates.Speed(node);
+      twist.c += weight * angle.c;
+      twist.e += weight * angle.e;
+      rate.c += weight * speed.c;
+      rate.e += weight * speed.e;
+    }
+    rows.push_back(std::move(twist));
+    rows.push_back(std::move(rate));
+  }
+
+  linear_part_ = std::make_unique<LinearPart>();
+  LinearPart& part = *linear_part_;
+  part.system = coordinates.System(rows);
+  for (std::size_t r = 0; r < readings_.size(); ++r) {
+    if (readings_[r].element >= 0) part.system.D(r, inputs + readings_[r].element) = 1.0;
+  }
+  for (const Element& element : elements_) {
+    part.channels.push_back({element.law.get(), element.state, element.mode, element.mobility, element.linear});
+  }
+
+  // s = (relative angles, angle of node 0, speeds) <-> (x, p), column by column.
+  part.x_from_state.resize(coordinates.states(), 2 * n);
+  part.p_from_state.resize(coordinates.integrators(), 2 * n);
+  part.state_from_x.resize(2 * n, coordinates.states());
+  part.state_from_p.resize(2 * n, coordinates.integrators());
+  for (int j = 0; j < 2 * n; ++j) {
+    Eigen::VectorXd angles = Eigen::VectorXd::Zero(n), speeds = Eigen::VectorXd::Zero(n), x, p;
+    if (j < n - 1) angles[j + 1] = 1.0;
+    if (j == n - 1) angles.setOnes();
+    if (j >= n) speeds[j - n] = 1.0;
+    coordinates.FromPhysical(angles, speeds, x, p);
+    part.x_from_state.col(j) = x;
+    part.p_from_state.col(j) = p;
+  }
+  const auto state = [&coordinates, n](const Eigen::VectorXd& x, const Eigen::VectorXd& p) {
+    Eigen::VectorXd angles, speeds, s(2 * n);
+    coordinates.ToPhysical(x, p, angles, speeds);
+    for (int i = 1; i < n; ++i) s[i - 1] = angles[i] - angles[0];
+    s[n - 1] = angles[0];
+    s.tail(n) = speeds;
+    return s;
+  };
+  const Eigen::VectorXd no_x = Eigen::VectorXd::Zero(coordinates.states());
+  const Eigen::VectorXd no_p = Eigen::VectorXd::Zero(coordinates.integrators());
+  for (int j = 0; j < coordinates.states(); ++j) {
+    part.state_from_x.col(j) = state(Eigen::VectorXd::Unit(coordinates.states(), j), no_p);
+  }
+  for (int j = 0; j < coordinates.integrators(); ++j) {
+    part.state_from_p.col(j) = state(no_x, Eigen::VectorXd::Unit(coordinates.integrators(), j));
+  }
+}
+
+}  // namespace dynoproof

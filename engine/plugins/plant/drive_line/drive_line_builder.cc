@@ -1,0 +1,365 @@
+// From the named parts of a [plant] table to nodes, edges and elements. Every fault of the table is reported.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "plugins/plant/drive_line/drive_line.h"
+
+namespace dynoproof {
+
+using mechanics::kGround;
+
+class DriveLineBuilder {
+ public:
+  DriveLineBuilder(const DriveLine::Params& params, const Value& table, BuildContext& context)
+      : params_(params), table_(table), context_(context), line_(new DriveLine) {}
+
+  /// Reads every part; without any inertia there is nothing that the others could be joined to.
+  void AddAll() {
+    AddNodes();
+    if (bodies_.empty()) return;
+    for (const auto& [name, shaft] : params_.shaft) AddShaft(name, shaft);
+    for (const auto& [name, load] : params_.load) AddLoad(name, load);
+    for (const auto& [name, torque] : params_.torque) AddTorque(name, torque);
+    CheckRuns();
+  }
+
+  std::unique_ptr<DriveLine> Build() {
+    const int before = context_.diagnostics.error_count();
+    AddAll();
+    if (bodies_.empty())
+      Fault(table_.where(), "the drive line has no inertia", "add [plant.inertia] or [plant.rotor.NAME]");
+    if (context_.diagnostics.error_count() == before) CheckConnected();
+    if (context_.diagnostics.error_count() != before) return nullptr;
+    AddStates();
+    AddOutputs();
+    line_->initial_speed_ = params_.initial_speed_rad_per_s;
+    line_->Finish();
+    return std::move(line_);
+  }
+
+ private:
+  /// The nodes of one named inertia or rotor, left to right.
+  struct Body {
+    int first, count;
+  };
+
+  const SourceSpan& Where(const char* section, const std::string& name, const char* key = nullptr) const {
+    const Value* value = table_.Find(section)->Find(name);
+    const Value* inner = key == nullptr ? nullptr : value->Find(key);
+    return inner != nullptr ? inner->where() : value->where();
+  }
+  void Fault(const SourceSpan& where, const std::string& message, const std::string& hint) {
+    context_.diagnostics.Error(where, message, hint, "dynoproof describe drive_line");
+  }
+
+  void AddNodes() {
+    for (const auto& [name, rotor] : params_.rotor) {
+      bodies_[name] = {line_->linear_.size(), rotor.slices};
+      AddSoftRotor(line_->linear_,
+                   {name, rotor.inertia_kg_m2, rotor.stiffness_Nm_per_rad, rotor.damping_Nms_per_rad, rotor.slices});
+    }
+    for (const auto& [name, inertia] : params_.inertia) {
+      if (bodies_.contains(name)) {
+        Fault(Where("inertia", name), fmt::format("\"{}\" is a rotor already", name), "rename one");
+        continue;
+      }
+      bodies_[name] = {line_->linear_.size(), 1};
+      line_->linear_.nodes.push_back({name, inertia});
+    }
+    line_->linearised_ = line_->linear_;
+  }
+
+  const Body* FindBody(const std::string& name, const SourceSpan& where) {
+    const auto it = bodies_.find(name);
+    if (it != bodies_.end()) return &it->second;
+    std::vector<std::string> names;
+    for (const auto& [known, body] : bodies_) names.push_back(known);
+    const std::optional<std::string> near = Closest(name, names);
+    Fault(where, fmt::format("there is no inertia or rotor \"{}\"", name),
+          near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
+    return nullptr;
+  }
+
+  /// A shaft's end: a rotor is joined at its right end when it comes first, at its left end when it comes second, or
+  /// where "NAME.left", "NAME.right" say.
+  int FindEnd(const std::string& text, bool first, const SourceSpan& where) {
+    const bool left = text.ends_with(".left"), right = text.ends_with(".right");
+    const std::string name = left ? text.substr(0, text.size() - 5) : right ? text.substr(0, text.size() - 6) : text;
+    const Body* body = FindBody(name, where);
+    if (body == nullptr) return kGround;
+    return right || (first && !left) ? body->first + body->count - 1 : body->first;
+  }
+
+  /// The first node of the rotor or inertia that a node belongs to.
+  int BodyOf(int node) const {
+    for (const auto& [name, body] : bodies_) {
+      if (node >= body.first && node < body.first + body.count) return body.first;
+    }
+    return node;
+  }
+
+  /// Builds the law that a shaft or load table names; its own keys are read by the law.
+  std::unique_ptr<Law> MakeLaw(const std::string& name, const Value& table, std::vector<std::string> known,
+                               const char* fallback) {
+    const Value* law = table.Find("law");
+    if (law != nullptr && !law->is_string()) {
+      Fault(law->where(), "\"law\" is " + law->KindName(), "write a string");
+      return nullptr;
+    }
+    if (law == nullptr && fallback == nullptr) {
+      Fault(table.where(), fmt::format("\"{}\" names no law", name), "add law = \"viscous\", \"coulomb\", ...");
+      return nullptr;
+    }
+    known.emplace_back("law");
+    BuildContext context{context_.registry, context_.diagnostics,     name, std::move(known), context_.period_s,
+                         context_.seed,     params_.nominal_torque_Nm};
+    return context_.registry.MakeLaw(law != nullptr ? law->string() : fallback, table, context);
+  }
+
+  /// Adds one edge with that law's linear parts, or `share` of them.
+  int AddEdge(const std::string& name, int from, int to, SpringDamper linear, SpringDamper linearised, double share) {
+    line_->linear_.edges.push_back({name, from, to, linear.stiffness * share, linear.damping * share});
+    line_->linearised_.edges.push_back({name, from, to, linearised.stiffness * share, linearised.damping * share});
+    return static_cast<int>(line_->linear_.edges.size()) - 1;
+  }
+
+  void AddElement(const std::string& name, std::unique_ptr<Law> law, SpringDamper linear,
+                  std::vector<std::pair<int, double>> weights) {
+    double mobility = 0.0;
+    for (const auto& [node, weight] : weights) mobility += weight * weight / line_->linear_.nodes[node].inertia;
+    line_->elements_.push_back({name, std::move(law), linear, std::move(weights), mobility});
+  }
+
+  bool IsTable(const char* section, const std::string& name, const Value& table) {
+    if (table.is_table()) return true;
+    Fault(table.where(), fmt::format("{}.{} is {}", section, name, table.KindName()), "write a table");
+    return false;
+  }
+
+  void AddShaft(const std::string& name, const Value& table) {
+    if (!IsTable("shaft", name, table)) return;
+    const Value* between = table.Find("between");
+    const bool pair = between != nullptr && between->is_array() && between->array().size() == 2 &&
+                      between->array()[0].is_string() && between->array()[1].is_string();
+    std::unique_ptr<Law> law = MakeLaw(name, table, {"between"}, "spring_damper");
+    if (!pair) {
+      Fault(between != nullptr ? between->where() : table.where(),
+            fmt::format("shaft \"{}\" does not say what it joins", name), "write between = [\"I1\", \"I2\"]");
+      return;
+    }
+    const int from = FindEnd(between->array()[0].string(), true, between->array()[0].where());
+    const int to = FindEnd(between->array()[1].string(), false, between->array()[1].where());
+    if (from == kGround || to == kGround || law == nullptr) return;
+    if (BodyOf(from) == BodyOf(to)) {
+      Fault(between->where(), fmt::format("shaft \"{}\" joins \"{}\" to itself", name, between->array()[0].string()),
+            "name two inertias");
+      return;
+    }
+    const SpringDamper linear = law->linear();
+    const int edge = AddEdge(name, from, to, linear, law->linearised(), 1.0);
+    named_edges_.push_back({name, {edge}, true, IsLinear(*law)});
+    if (!IsLinear(*law)) AddElement(name, std::move(law), linear, {{from, 1.0}, {to, -1.0}});
+  }
+
+  void AddLoad(const std::string& name, const Value& table) {
+    if (!IsTable("load", name, table)) return;
+    if (std::any_of(params_.shaft.begin(), params_.shaft.end(),
+                    [&name](const auto& shaft) { return shaft.first == name; })) {
+      Fault(table.where(), fmt::format("\"{}\" is a shaft already", name),
+            "rename one: both would be " + name + ".torque");
+    }
+    const Value* on = table.Find("on");
+    std::unique_ptr<Law> law = MakeLaw(name, table, {"on"}, nullptr);
+    if (on == nullptr || !on->is_string()) {
+      Fault(on != nullptr ? on->where() : table.where(), fmt::format("load \"{}\" does not say where it acts", name),
+            "write on = \"I5\"");
+      return;
+    }
+    const Body* body = FindBody(on->string(), on->where());
+    if (body == nullptr || law == nullptr) return;
+    // On a rotor a linear law is spread over the slices; a nonlinear one acts on all of them by their mean speed.
+    const bool linear = IsLinear(*law);
+    const double share = 1.0 / body->count;
+    const SpringDamper taken = linear || body->count == 1 ? law->linear() : SpringDamper{};
+    NamedEdges named{name, {}, false, linear};
+    std::vector<std::pair<int, double>> weights;
+    for (int i = body->first; i < body->first + body->count; ++i) {
+      named.edges.push_back(AddEdge(name, i, kGround, taken, law->linearised(), share));
+      weights.emplace_back(i, share);
+    }
+    named_edges_.push_back(std::move(named));
+    if (!linear) AddElement(name, std::move(law), taken, std::move(weights));
+  }
+
+  static bool IsLinear(const Law& law) {
+    if (!law.layout().states.empty() || law.layout().modes > 0) return false;
+    // Three points off the axes tell a linear law (no offset) from any other in use.
+    const SpringDamper linear = law.linear();
+    for (const auto& [twist, rate, time] : {std::tuple{0.7, 1.3, 0.0}, {-1.9, 0.4, 5.0}, {0.02, -2.3, 11.0}}) {
+      const double expected = linear.stiffness * twist + linear.damping * rate;
+      const double torque = law.Torque({time, twist, rate, 0.0, {}, {}});
+      if (std::abs(torque - expected) >
+          1e-12 * (std::abs(linear.stiffness * twist) + std::abs(linear.damping * rate))) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void AddTorque(const std::string& name, const DriveLine::Torque& torque) {
+    std::vector<std::pair<int, double>> weights;
+    if (torque.on.empty())
+      Fault(Where("torque", name, "on"), fmt::format("torque \"{}\" acts on nothing", name), "write on = \"I1\"");
+    for (const std::string& target : torque.on) {
+      if (std::count(torque.on.begin(), torque.on.end(), target) > 1) {
+        Fault(Where("torque", name, "on"), fmt::format("torque \"{}\" names \"{}\" twice", name, target),
+              "once is enough");
+        return;
+      }
+      const Body* body = FindBody(target, Where("torque", name, "on"));
+      if (body == nullptr) return;
+      int first = 1, last = body->count;
+      if (!torque.slices.empty()) {
+        if (body->count == 1 || torque.slices.size() != 2 || torque.slices[0] > torque.slices[1] ||
+            torque.slices[1] > body->count) {
+          Fault(Where("torque", name, "slices"), fmt::format("\"{}\" has no such slices", target),
+                body->count == 1 ? "only a rotor has slices" : fmt::format("first and last of 1 ... {}", body->count));
+          return;
+        }
+        first = torque.slices[0];
+        last = torque.slices[1];
+      }
+      for (int i = first; i <= last; ++i) {
+        const int node = body->first + i - 1;
+        weights.emplace_back(node, line_->linear_.nodes[node].inertia);
+      }
+    }
+    double sum = 0.0;
+    for (const auto& [node, inertia] : weights) sum += inertia;
+    for (auto& [node, weight] : weights) weight *= torque.gain / sum;
+    line_->layout_.inputs.push_back({name, "N m", "torque entry", params_.nominal_torque_Nm});
+    line_->inputs_.push_back(std::move(weights));
+  }
+
+  void CheckRuns() {
+    for (const auto& [name, run] : params_.run) {
+      for (const std::string& inertia : run.inertias) FindBody(inertia, Where("run", name, "inertias"));
+    }
+  }
+
+  /// Every node must hang on every other by shafts, whatever their law: a lone inertia is a typing error.
+  void CheckConnected() {
+    mechanics::Network shafts = line_->linear_;
+    for (mechanics::Edge& edge : shafts.edges) edge.stiffness = 1.0;
+    const std::vector<int> part = shafts.Parts();
+    for (const auto& [name, body] : bodies_) {
+      if (part[body.first] == part[0]) continue;
+      const bool rotor = body.count > 1;
+      Fault(Where(rotor ? "rotor" : "inertia", name),
+            fmt::format("no shaft joins \"{}\" to the rest of the line", name),
+            "add [plant.shaft.NAME] with between = [...]");
+      return;
+    }
+  }
+
+  void AddStates() {
+    Layout& layout = line_->layout_;
+    const auto& nodes = line_->linear_.nodes;
+    // A usual twist at a node: that of its stiffest shaft under the usual torque; a usual speed: the same oscillating
+    // at the node's own frequency. Solver tolerances scale with them.
+    std::vector<double> stiffness(nodes.size(), 0.0);
+    for (const mechanics::Edge& edge : line_->linearised_.edges) {
+      stiffness[edge.from] = std::max(stiffness[edge.from], edge.stiffness);
+      if (edge.to != kGround) stiffness[edge.to] = std::max(stiffness[edge.to], edge.stiffness);
+    }
+    const auto twist = [&](int i) { return params_.nominal_torque_Nm / (stiffness[i] > 0.0 ? stiffness[i] : 1e4); };
+    const int n = line_->linear_.size();
+    for (int i = 1; i < n; ++i) {
+      layout.states.push_back(
+          {nodes[i].name + ".relative_angle", "rad", "angle relative to " + nodes[0].name, twist(i)});
+    }
+    layout.states.push_back({nodes[0].name + ".angle", "rad", "absolute angle", twist(0)});
+    for (int i = 0; i < n; ++i) {
+      const double frequency = std::sqrt((stiffness[i] > 0.0 ? stiffness[i] : 1e4) / nodes[i].inertia);
+      layout.states.push_back({nodes[i].name + ".speed", "rad/s", "speed", twist(i) * frequency});
+    }
+    std::stable_partition(line_->elements_.begin(), line_->elements_.end(),
+                          [](const DriveLine::Element& element) { return !element.law->sticks(); });
+    for (DriveLine::Element& element : line_->elements_) {
+      element.state = static_cast<int>(layout.states.size());
+      element.mode = layout.modes;
+      element.guard = layout.guards;
+      for (const Port& state : element.law->layout().states) {
+        layout.states.push_back(state);
+        layout.states.back().name = element.name + "." + state.name;
+      }
+      layout.modes += element.law->layout().modes;
+      layout.guards += element.law->layout().guards;
+    }
+  }
+
+  void AddOutput(const std::string& name, OutputTerm::Kind kind, const std::vector<int>& indices, int element = -1) {
+    static const std::map<OutputTerm::Kind, std::pair<const char*, double>> units = {
+        {OutputTerm::Kind::kTorque, {"N m", 1.0}},
+        {OutputTerm::Kind::kTwist, {"rad", 1e-4}},
+        {OutputTerm::Kind::kRate, {"rad/s", 1.0}},
+        {OutputTerm::Kind::kAngle, {"rad", 1.0}},
+        {OutputTerm::Kind::kSpeed, {"rad/s", 1.0}}};
+    const auto& [unit, nominal] = units.at(kind);
+    const bool torque = kind == OutputTerm::Kind::kTorque;
+    line_->layout_.outputs.push_back({name, unit, name, torque ? params_.nominal_torque_Nm : nominal});
+    DriveLine::Reading reading{{}, element};
+    for (const int index : indices) reading.terms.push_back({kind, index});
+    line_->readings_.push_back(std::move(reading));
+  }
+
+  void AddOutputs() {
+    for (const NamedEdges& named : named_edges_) {
+      const auto& elements = line_->elements_;
+      const auto it = std::find_if(elements.begin(), elements.end(),
+                                   [&named](const DriveLine::Element& element) { return element.name == named.name; });
+      const int element = named.linear ? -1 : static_cast<int>(it - elements.begin());
+      AddOutput(named.name + ".torque", OutputTerm::Kind::kTorque, named.edges, element);
+      if (!named.shaft) continue;
+      AddOutput(named.name + ".twist", OutputTerm::Kind::kTwist, named.edges);
+      AddOutput(named.name + ".rate", OutputTerm::Kind::kRate, named.edges);
+    }
+    for (const auto& [name, body] : bodies_) {
+      const auto ends = body.count == 1
+                            ? std::vector<std::pair<std::string, int>>{{name, body.first}}
+                            : std::vector<std::pair<std::string, int>>{{name + ".left", body.first},
+                                                                       {name + ".right", body.first + body.count - 1}};
+      for (const auto& [end, node] : ends) {
+        AddOutput(end + ".speed", OutputTerm::Kind::kSpeed, {node});
+        AddOutput(end + ".angle", OutputTerm::Kind::kAngle, {node});
+      }
+    }
+  }
+
+  struct NamedEdges {
+    std::string name;
+    std::vector<int> edges;
+    bool shaft, linear;
+  };
+
+  const DriveLine::Params& params_;
+  const Value& table_;
+  BuildContext& context_;
+  std::unique_ptr<DriveLine> line_;
+  std::map<std::string, Body> bodies_;
+  std::vector<NamedEdges> named_edges_;
+};
+
+void DriveLine::ReportMore(const Params& params, const Value& table, BuildContext& context) {
+  DriveLineBuilder(params, table, context).AddAll();
+}
+
+std::unique_ptr<DriveLine> DriveLine::Create(const Params& params, const Value& table, BuildContext& context) {
+  return DriveLineBuilder(params, table, context).Build();
+}
+
+}  // namespace dynoproof

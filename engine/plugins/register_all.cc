@@ -1,0 +1,114 @@
+// Every built-in plugin, one sorted line each: explicit, because linkers drop what registers itself.
+#include "model/registry.h"
+#include "plugins/actuator/linear_stages/linear_stages.h"
+#include "plugins/actuator/static_stages/static_stages.h"
+#include "plugins/effect/load_effects.h"
+#include "plugins/effect/parameter_changes.h"
+#include "plugins/effect/stage_effects.h"
+#include "plugins/effect/structure_changes.h"
+#include "plugins/law/dahl/dahl.h"
+#include "plugins/law/dry_friction/dry_friction.h"
+#include "plugins/law/loads/loads.h"
+#include "plugins/law/springs/springs.h"
+#include "plugins/plant/drive_line/drive_line.h"
+#include "plugins/sensor/sampled_stages/sampled_stages.h"
+#include "plugins/sensor/static_stages/static_stages.h"
+#include "plugins/source/chirp/chirp.h"
+#include "plugins/source/levels/levels.h"
+#include "plugins/source/noise/noise.h"
+#include "plugins/source/replay/replay.h"
+#include "plugins/source/sum/sum.h"
+#include "plugins/source/tones/tones.h"
+
+namespace dynoproof {
+namespace {
+
+void RegisterActuators(Registry& registry) {
+  registry.Add<stages::AsActuator<stages::Delay>>();
+  registry.Add<stages::AsActuator<stages::FirstOrderLag>>();
+  registry.Add<stages::AsActuator<stages::Gain>>();
+  registry.Add<stages::DeadZone>();
+  registry.Add<stages::Harmonic>();
+  registry.Add<stages::Saturation>();
+}
+
+void RegisterEffects(Registry& registry) {
+  registry.Add(effects::ActuatorDeadZone());
+  registry.Add(effects::ActuatorDelay());
+  registry.Add(effects::ActuatorGain());
+  registry.Add(effects::ActuatorHarmonic());
+  registry.Add(effects::ActuatorLag());
+  registry.Add(effects::ActuatorSaturation());
+  registry.Add(effects::AsymmetricFriction());
+  registry.Add(effects::ConstantLoad());
+  registry.Add(effects::CoulombFriction());
+  registry.Add(effects::CubicStiffness());
+  registry.Add(effects::DahlFriction());
+  registry.Add(effects::DampingChange());
+  registry.Add(effects::DistributedInertia());
+  registry.Add(effects::InertiaChange());
+  registry.Add(effects::QuadraticDrag());
+  registry.Add(effects::SensorDelay());
+  registry.Add(effects::SensorDrift());
+  registry.Add(effects::SensorGain());
+  registry.Add(effects::SensorLag());
+  registry.Add(effects::SensorOffset());
+  registry.Add(effects::SensorRectified());
+  registry.Add(effects::SeriesElasticity());
+  registry.Add(effects::StiffnessChange());
+  registry.Add(effects::StribeckFriction());
+  registry.Add(effects::TorqueRipple());
+  registry.Add(effects::ViscousFriction());
+}
+
+void RegisterLaws(Registry& registry) {
+  registry.Add<laws::Asymmetric>();
+  registry.Add<laws::ConstantLoad>();
+  registry.Add<laws::Coulomb>();
+  registry.Add<laws::CubicSpring>();
+  registry.Add<laws::Dahl>();
+  registry.Add<laws::QuadraticDrag>();
+  registry.Add<laws::Ripple>();
+  registry.Add<laws::SpringDamperLaw>();
+  registry.Add<laws::Stribeck>();
+  registry.Add<laws::Viscous>();
+}
+
+void RegisterPlants(Registry& registry) { registry.Add<DriveLine>(); }
+
+void RegisterSensors(Registry& registry) {
+  registry.Add<stages::AsSensor<stages::Delay>>();
+  registry.Add<stages::AsSensor<stages::FirstOrderLag>>();
+  registry.Add<stages::AsSensor<stages::Gain>>();
+  registry.Add<stages::Drift>();
+  registry.Add<stages::Noise>();
+  registry.Add<stages::Offset>();
+  registry.Add<stages::Quantisation>();
+  registry.Add<stages::Rectified>();
+}
+
+void RegisterSources(Registry& registry) {
+  registry.Add<sources::Chirp>();
+  registry.Add<sources::Constant>();
+  registry.Add<sources::Jump>();
+  registry.Add<sources::Multisine>();
+  registry.Add<sources::NoiseSource>();
+  registry.Add<sources::Ramp>();
+  registry.Add<sources::Replay>();
+  registry.Add<sources::SineSum>();
+  registry.Add<sources::Step>();
+  registry.Add<sources::Sum>();
+}
+
+}  // namespace
+
+void RegisterBuiltIns(Registry& registry) {
+  RegisterActuators(registry);
+  RegisterEffects(registry);
+  RegisterLaws(registry);
+  RegisterPlants(registry);
+  RegisterSensors(registry);
+  RegisterSources(registry);
+}
+
+}  // namespace dynoproof

@@ -1,0 +1,82 @@
+// Where scenarios live and how a user's word for one is understood.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/text.h"
+#include "scenario/load.h"
+
+#ifndef DYNOPROOF_SOURCE_SCENARIOS
+#error "the build must say where the scenarios of the source tree are"
+#endif
+
+namespace dynoproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Scenario files below a folder, sorted. Files that start with "_" are shared parts for `include`.
+std::vector<std::string> FilesBelow(const fs::path& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const fs::path& path = it->path();
+    if (path.extension() == ".toml" && !path.stem().string().starts_with("_")) files.push_back(path.string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::string ScenarioFolder() {
+  if (const char* folder = std::getenv("DYNOPROOF_SCENARIOS"); folder != nullptr && *folder != '\0') return folder;
+  std::error_code error;
+  for (fs::path here = fs::current_path(error); !here.empty(); here = here.parent_path()) {
+    // The CMakeLists.txt beside it tells this project's folder from a stranger's.
+    if (fs::is_directory(here / "scenarios", error) && fs::exists(here / "CMakeLists.txt", error)) {
+      return fs::relative(here / "scenarios", error).string();
+    }
+    if (here == here.root_path()) break;
+  }
+  return DYNOPROOF_SOURCE_SCENARIOS;
+}
+
+std::string ScenarioId(const std::string& file) {
+  std::error_code error;
+  const fs::path path = fs::weakly_canonical(file, error);
+  const fs::path folder = fs::weakly_canonical(ScenarioFolder(), error);
+  const fs::path relative = path.lexically_relative(folder);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  fs::path id = below ? relative : path.filename();
+  return id.replace_extension().generic_string();
+}
+
+std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& diagnostics) {
+  std::error_code error;
+  if (fs::is_regular_file(name, error)) return {name};
+  const fs::path folder = ScenarioFolder();
+  if (const fs::path file = folder / (name + ".toml"); fs::is_regular_file(file, error)) return {file.string()};
+  for (const fs::path& place : {folder / name, fs::path(name)}) {
+    if (!name.empty() && fs::is_directory(place, error)) {
+      std::vector<std::string> files = FilesBelow(place);
+      if (files.empty()) diagnostics.Error({place.string()}, "there is no scenario in this folder", "files end in .toml");
+      return files;
+    }
+  }
+  const std::vector<std::string> all = FilesBelow(folder);
+  if (name.empty()) {
+    if (all.empty()) diagnostics.Error({folder.string()}, "there is no scenario", "set DYNOPROOF_SCENARIOS");
+    return all;
+  }
+  std::vector<std::string> ids;
+  for (const std::string& file : all) ids.push_back(ScenarioId(file));
+  const std::optional<std::string> near = Closest(name, ids);
+  diagnostics.Error({name}, "there is no such scenario, file or folder",
+                    near ? fmt::format("did you mean \"{}\"?", *near) : "see: dynoproof list");
+  return {};
+}
+
+}  // namespace dynoproof

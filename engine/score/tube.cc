@@ -1,0 +1,152 @@
+#include "score/tube.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "score/sliding.h"
+
+namespace dynoproof::score {
+namespace {
+
+struct Bounds {
+  std::vector<double> low, high;  // extremes of the reference within +-w of each query
+};
+
+// A held signal jumps: the value just left of a jump lives until the jump. Its tube must be known there, too.
+std::vector<double> LeftLimits(const Series& series, std::span<const double> times_s) {
+  std::vector<double> out(times_s.size());
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    while (j + 1 < series.time_s.size() && series.time_s[j + 1] < times_s[i]) ++j;
+    out[i] = series.values[j];
+  }
+  return out;
+}
+
+std::vector<double> Shifted(std::span<const double> times_s, double by) {
+  std::vector<double> out(times_s.begin(), times_s.end());
+  for (double& t : out) t += by;
+  return out;
+}
+
+Bounds ReferenceRange(const Series& reference, std::span<const double> queries, double w) {
+  const std::vector<double> left = Shifted(queries, -w);
+  const std::vector<double> right = Shifted(queries, w);
+  const std::vector<double> at_left = SampleAt(reference, left);
+  const std::vector<double> at_right = SampleAt(reference, right);
+  Bounds bounds;
+  bounds.low.resize(queries.size());
+  bounds.high.resize(queries.size());
+  SlidingExtremes inside(reference.time_s, reference.values);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    bounds.low[i] = std::min(at_left[i], at_right[i]);
+    bounds.high[i] = std::max(at_left[i], at_right[i]);
+    inside.MoveTo(left[i], right[i]);
+    if (inside.Empty()) continue;
+    bounds.low[i] = std::min(bounds.low[i], inside.Min());
+    bounds.high[i] = std::max(bounds.high[i], inside.Max());
+  }
+  return bounds;
+}
+
+std::string OptionFault(const TubeOptions& o) {
+  if (!(o.relative_width > 0.0) || !std::isfinite(o.relative_width)) return "tube: the relative width must be positive";
+  if (!(o.nominal > 0.0) || !std::isfinite(o.nominal)) return "tube: the signal's nominal must be positive";
+  if (!(o.time_half_width_s >= 0.0) || !std::isfinite(o.time_half_width_s))
+    return "tube: the half-width in time must be zero or more";
+  if (!(o.relative_width * o.nominal > std::numeric_limits<double>::min())) return "tube: the width in value vanishes";
+  return {};
+}
+
+// Every time of either signal inside the reference's span, once.
+std::vector<double> UnionTimes(const Series& reference, const Series& test) {
+  std::vector<double> times;
+  times.reserve(reference.time_s.size() + test.time_s.size());
+  std::merge(reference.time_s.begin(), reference.time_s.end(), test.time_s.begin(), test.time_s.end(),
+             std::back_inserter(times));
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  std::erase_if(times, [&](double t) { return t < reference.time_s.front() || t > reference.time_s.back(); });
+  return times;
+}
+
+}  // namespace
+
+TubeResult CompareTube(const Series& reference, const Series& test, const TubeOptions& options) {
+  TubeResult result;
+  result.worst_ratio = std::numeric_limits<double>::quiet_NaN();
+  result.reason = OptionFault(options);
+  if (!result.reason.empty()) return result;
+  const Aligned covered = AlignTo(reference, test, options.max_gap_s);
+  if (!covered.ok()) {
+    result.reason = covered.reason;
+    return result;
+  }
+
+  const double h = options.relative_width * options.nominal;
+  const std::vector<double> times = UnionTimes(reference, test);
+  const std::vector<double> values = SampleAt(test, times);
+  const Bounds bounds = ReferenceRange(reference, times, options.time_half_width_s);
+  // Just before each instant the held test still has its old value; the reference may have jumped with it.
+  const bool held = test.interpolation == Interpolation::kHold;
+  const std::vector<double> old_values = held ? LeftLimits(test, times) : values;
+  const bool reference_held = reference.interpolation == Interpolation::kHold;
+  const std::vector<double> old_reference = held && reference_held
+                                                ? LeftLimits(reference, Shifted(times, -options.time_half_width_s))
+                                                : std::vector<double>();
+
+  result.worst_ratio = 0.0;
+  result.worst_time_s = times.front();
+  result.from_s = times.front();
+  result.to_s = times.back();
+  result.points = times.size();
+  double outside_s = 0.0;
+  bool was_outside = false;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    double value = values[i];
+    double low = bounds.low[i];
+    double high = bounds.high[i];
+    double ratio = std::max({0.0, (value - high) / h, (low - value) / h});
+    if (held && i > 0) {
+      const double low_before = old_reference.empty() ? low : std::min(low, old_reference[i]);
+      const double high_before = old_reference.empty() ? high : std::max(high, old_reference[i]);
+      const double before = std::max({0.0, (old_values[i] - high_before) / h, (low_before - old_values[i]) / h});
+      if (before > ratio) {
+        ratio = before;
+        value = old_values[i];
+        low = low_before;
+        high = high_before;
+      }
+    }
+    if (ratio > result.worst_ratio) {
+      result.worst_ratio = ratio;
+      result.worst_time_s = times[i];
+    }
+    const bool outside = !(ratio <= 1.0);
+    if (outside && !result.first) result.first = Divergence{times[i], value, low - h, high + h};
+    if (i > 0) outside_s += 0.5 * (times[i] - times[i - 1]) * ((outside ? 1.0 : 0.0) + (was_outside ? 1.0 : 0.0));
+    was_outside = outside;
+  }
+  result.fraction_outside = outside_s / (result.to_s - result.from_s);
+
+  if (result.first) {
+    result.reason = fmt::format(
+        "leaves the tube at {:.6g} s: {:.6g} where {:.6g} to {:.6g} is allowed; outside for {:.3g} % of the time, at "
+        "worst "
+        "{:.3g} half-widths at {:.6g} s",
+        result.first->time_s, result.first->test, result.first->lower, result.first->upper,
+        100.0 * result.fraction_outside, result.worst_ratio, result.worst_time_s);
+    return result;
+  }
+  result.verdict = Verdict::kPass;
+  return result;
+}
+
+Check TubeCheck(const TubeResult& result, std::string name, std::string origin) {
+  return ToCheck(result, std::move(name), "tube", result.worst_ratio, 1.0, "half-widths", std::move(origin));
+}
+
+}  // namespace dynoproof::score

@@ -1,0 +1,276 @@
+// Solver `realtime`: fixed work per period. The linear part of the rig is carried exactly in modal coordinates. Where
+// something is nonlinear, an interval is cut into equal substeps; in each, the nonlinear laws and parts are taken to
+// change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
+// (second order). Friction that may stick is held over the substep at the value that stops the motion at its end, or
+// slips (time stepping with the set-valued law: no events, no chatter). Nothing is allocated in a step.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "mechanics/aligned_vector.h"
+#include "mechanics/modal_form.h"
+#include "mechanics/propagator.h"
+#include "model/law.h"
+#include "sim/linear_group.h"
+#include "sim/solver.h"
+
+namespace dynoproof {
+namespace {
+
+using mechanics::ModalForm;
+using mechanics::Propagator;
+
+class RealtimeSolver : public Solver {
+ public:
+  static Result<std::unique_ptr<Solver>> Make(const Rig& rig) {
+    auto solver = std::unique_ptr<RealtimeSolver>(new RealtimeSolver(rig));
+    for (const Interval& interval : rig.intervals) {
+      const double share = rig.run.realtime.substeps * interval.length;
+      const int substeps = solver->exact_ ? 1 : std::max(1, static_cast<int>(std::ceil(share - 1e-9)));
+      const double length_s = interval.length * Seconds(rig.period) / substeps;
+      Result<Propagator> propagator = Propagator::Create(solver->form_, length_s);
+      if (!propagator.ok()) return propagator.failure();
+      solver->steps_.push_back({std::move(*propagator), substeps, length_s});
+    }
+    return std::unique_ptr<Solver>(std::move(solver));
+  }
+
+  Status Start(Frame& frame) override {
+    StartBlocks(rig_, frame);
+    Eigen::VectorXd x, p;
+    group_.FromStates(frame.states, x, p);
+    frame.solver.assign(form_.state_size() + group_.channels.size(), 0.0);
+    form_.SetState(x, p, State(frame));
+    ReadInputs(frame, v0_);
+    Outputs(frame, v0_, y0_);
+    for (std::size_t e = 0; e < group_.channels.size(); ++e) {
+      if (!Law_(e).sticks()) Torque(frame)[e] = BeyondLinear(e, 0.0, y0_, OwnStates(frame, e));
+    }
+    return {};
+  }
+
+  Status Advance(Frame& frame, int index) override {
+    const Step& step = steps_[index];
+    const double begin_s = Seconds(frame.time) + rig_.intervals[index].begin * Seconds(rig_.period);
+    for (const int block : roles_.held) {
+      EvaluateBlock(rig_.blocks[block], begin_s, frame.states, frame.modes, frame.signals);
+    }
+    ++periods_;
+    if (exact_) {
+      ReadInputs(frame, v0_);
+      step.propagator.Advance(State(frame), v0_);
+      return {};
+    }
+    for (int i = 0; i < step.substeps; ++i) Substep(frame, step, begin_s + i * step.length_s);
+    substeps_ += step.substeps;
+    return {};
+  }
+
+  void Evaluate(Frame& frame, double time_s) override {
+    ReadInputs(frame, v0_);
+    Outputs(frame, v0_, y0_);
+    for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = y0_[i];
+    for (const auto* list : {&roles_.nonlinear, &roles_.behind}) {
+      for (const int block : *list) EvaluateBlock(rig_.blocks[block], time_s, frame.states, frame.modes, frame.signals);
+    }
+  }
+
+  std::map<std::string, std::int64_t> counters() const override {
+    return {{"periods", periods_}, {"substeps", substeps_}};
+  }
+  std::string Summary() const override { return summary_; }
+
+ private:
+  struct Step {
+    Propagator propagator;
+    int substeps;
+    double length_s;
+  };
+
+  explicit RealtimeSolver(const Rig& rig) : rig_(rig), roles_(AssignRoles(rig)), group_(JoinLinearParts(rig, roles_)) {
+    form_ = ModalForm::Build(group_.system);
+    if (rig.run.realtime.keep_below_Hz > 0.0)
+      form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
+    exact_ = group_.channels.empty() && roles_.nonlinear.empty();
+    summary_ = fmt::format(
+        "{} pairs, {} real, {} integrators, {} states dropped, condition {:.1f}{}; {} nonlinear laws, "
+        "{} nonlinear parts",
+        form_.layout.pairs, form_.layout.reals, form_.layout.integrators, form_.dropped_states, form_.condition,
+        form_.dense_fallback ? " (dense fallback)" : "", group_.channels.size(), roles_.nonlinear.size());
+    const std::size_t m = form_.inputs(), r = form_.outputs();
+    for (auto* vector : {&v0_, &held_, &ramp_}) vector->assign(m, 0.0);
+    for (auto* vector : {&y0_, &y_free_, &y_}) vector->assign(r, 0.0);
+    saved_.assign(form_.state_size(), 0.0);
+    states_.assign(rig.state_ports.size(), 0.0);
+    for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
+  }
+
+  const Law& Law_(std::size_t e) const { return *group_.channels[e].channel.law; }
+  std::span<double> State(Frame& frame) const {
+    return {frame.solver.data(), static_cast<std::size_t>(form_.state_size())};
+  }
+  /// The torque that each channel applies now, beyond its linear part.
+  double* Torque(Frame& frame) const { return frame.solver.data() + form_.state_size(); }
+  std::span<double> OwnStates(Frame& frame, std::size_t e) const { return OwnStates(frame.states, e); }
+  std::span<double> OwnStates(std::vector<double>& states, std::size_t e) const {
+    return {states.data() + group_.channels[e].state, Law_(e).layout().states.size()};
+  }
+
+  void ReadInputs(Frame& frame, std::vector<double>& v) const {
+    for (std::size_t i = 0; i < group_.reads.size(); ++i) v[i] = frame.signals[group_.reads[i]];
+    for (std::size_t e = 0; e < group_.channels.size(); ++e) v[group_.reads.size() + e] = Torque(frame)[e];
+  }
+  void Outputs(Frame& frame, const std::vector<double>& v, std::vector<double>& y) const {
+    // A propagator of any length gives the same outputs; before the first exists (never in a run) there are none.
+    if (!steps_.empty()) steps_.front().propagator.Output(State(frame), v, y);
+  }
+  double Twist(const std::vector<double>& y, std::size_t e) const { return y[group_.writes.size() + 2 * e]; }
+  double Rate(const std::vector<double>& y, std::size_t e) const { return y[group_.writes.size() + 2 * e + 1]; }
+
+  double BeyondLinear(std::size_t e, double time_s, const std::vector<double>& y, std::span<const double> own) const {
+    const SpringDamper& linear = group_.channels[e].channel.linear;
+    const LawView view{time_s, Twist(y, e), Rate(y, e), 0.0, own, {}};
+    return Law_(e).Torque(view) - linear.stiffness * view.twist - linear.damping * view.rate;
+  }
+
+  /// Carries a law's own states over a substep along the straight line between twists and rates y0_ and y_.
+  void AdvanceLaw(std::size_t e, double time_s, double h, std::span<double> own) {
+    const std::size_t n = own.size();
+    constexpr std::size_t kMost = 8;  // more states than any law of the field has
+    assert(n <= kMost);
+    double k[4][kMost], x[kMost];
+    const double weight[4] = {0.0, 0.5, 0.5, 1.0};
+    for (int stage = 0; stage < 4; ++stage) {
+      const double s = weight[stage];
+      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + (stage == 0 ? 0.0 : s * h * k[stage - 1][i]);
+      const LawView view{time_s + s * h,
+                         Twist(y0_, e) + s * (Twist(y_, e) - Twist(y0_, e)),
+                         Rate(y0_, e) + s * (Rate(y_, e) - Rate(y0_, e)),
+                         0.0,
+                         {x, n},
+                         {}};
+      Law_(e).Derivative(view, {k[stage], n});
+    }
+    for (std::size_t i = 0; i < n; ++i) own[i] += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+  }
+
+  /// The friction torque that stops the relative motion at the end of the substep, or that of slipping.
+  double StickOrSlip(std::size_t e, double time_s, double now, double gain, std::span<const double> own) const {
+    const double rate_without = Rate(y_, e) - gain * now;  // with no torque in this channel
+    const double hold = -rate_without / gain;
+    const int sign = hold > 0.0 ? 1 : -1;
+    double slip = Law_(e).SlipTorque({time_s, Twist(y_, e), 0.0, hold, own, {}}, sign);
+    if (std::abs(hold) <= std::abs(slip)) return hold;
+    slip = Law_(e).SlipTorque({time_s, Twist(y_, e), rate_without + gain * slip, hold, own, {}}, sign);
+    return slip;
+  }
+
+  void Substep(Frame& frame, const Step& step, double time_s) {
+    const std::size_t reads = group_.reads.size(), channels = group_.channels.size(), m = v0_.size();
+    const std::span<double> state = State(frame);
+    ReadInputs(frame, v0_);
+    step.propagator.Output(state, v0_, y0_);
+    if (!roles_.nonlinear.empty()) {  // a held signal that feeds through may have jumped
+      for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = y0_[i];
+      for (const int index : roles_.nonlinear) {
+        EvaluateBlock(rig_.blocks[index], time_s, frame.states, frame.modes, frame.signals);
+      }
+      ReadInputs(frame, v0_);
+    }
+    std::copy(state.begin(), state.end(), saved_.begin());
+    std::copy(frame.states.begin(), frame.states.end(), states_.begin());
+    step.propagator.Advance(state, v0_);
+    step.propagator.Output(state, v0_, y_free_);
+    y_ = y_free_;
+    std::fill(ramp_.begin(), ramp_.end(), 0.0);
+    held_ = v0_;
+    for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
+      if (!roles_.nonlinear.empty()) {
+        AdvanceParts(frame, time_s, step.length_s);
+        for (std::size_t i = 0; i < reads; ++i) {
+          if (!group_.read_is_held[i]) ramp_[i] = frame.signals[group_.reads[i]] - v0_[i];
+        }
+        Correct(step.propagator);
+      }
+      for (std::size_t e = 0; e < channels; ++e) {
+        std::copy_n(states_.begin() + group_.channels[e].state, Law_(e).layout().states.size(),
+                    OwnStates(frame, e).begin());
+        AdvanceLaw(e, time_s, step.length_s, OwnStates(frame, e));
+        const std::size_t column = reads + e;
+        if (Law_(e).sticks()) {
+          const double gain = step.propagator.held_gain()(group_.writes.size() + 2 * e + 1, column);
+          held_[column] = StickOrSlip(e, time_s + step.length_s, held_[column], gain, OwnStates(frame, e));
+        } else {
+          ramp_[column] = BeyondLinear(e, time_s + step.length_s, y_, OwnStates(frame, e)) - v0_[column];
+        }
+        Correct(step.propagator);
+      }
+    }
+    std::copy(saved_.begin(), saved_.end(), state.begin());
+    step.propagator.AdvanceRamp(state, held_, ramp_);
+    for (std::size_t i = 0; i < m; ++i) held_[i] += ramp_[i];
+    for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = held_[reads + e];
+  }
+
+  /// y_ for the present held_ and ramp_.
+  void Correct(const Propagator& propagator) {
+    for (std::size_t r = 0; r < y_.size(); ++r) {
+      double sum = y_free_[r];
+      for (std::size_t c = 0; c < v0_.size(); ++c) {
+        sum += propagator.held_gain()(r, c) * (held_[c] - v0_[c]) + propagator.ramp_gain()(r, c) * ramp_[c];
+      }
+      y_[r] = sum;
+    }
+  }
+
+  /// Carries the nonlinear parts over a substep (Runge-Kutta 4) while the linear signals run straight from y0_ to y_.
+  void AdvanceParts(Frame& frame, double time_s, double h) {
+    const double weight[5] = {0.0, 0.5, 0.5, 1.0, 1.0};
+    for (int stage = 0; stage < 5; ++stage) {
+      const double s = weight[stage];
+      for (std::size_t i = 0; i < group_.writes.size(); ++i) {
+        frame.signals[group_.writes[i]] = y0_[i] + s * (y_[i] - y0_[i]);
+      }
+      for (const int index : roles_.nonlinear) {
+        const Block& block = rig_.blocks[index];
+        const int first = block.first_state, count = block.states();
+        for (int i = first; i < first + count; ++i) {
+          frame.states[i] =
+              stage == 0 ? states_[i]
+              : stage == 4
+                  ? states_[i] + h / 6.0 * (stages_[0][i] + 2.0 * stages_[1][i] + 2.0 * stages_[2][i] + stages_[3][i])
+                  : states_[i] + s * h * stages_[stage - 1][i];
+        }
+      }
+      for (const int index : roles_.nonlinear) {
+        EvaluateBlock(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals);
+      }
+      if (stage == 4) break;
+      for (const int index : roles_.nonlinear) {
+        EvaluateRates(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals, stages_[stage]);
+      }
+    }
+  }
+
+  const Rig& rig_;
+  Roles roles_;
+  LinearGroup group_;
+  ModalForm form_;
+  bool exact_ = true;        // nothing is nonlinear: one exact step per interval
+  std::vector<Step> steps_;  // by interval
+  std::string summary_;
+  std::int64_t periods_ = 0, substeps_ = 0;
+  // Scratch memory of a step: inputs at its beginning, held and straight parts of their course; outputs.
+  std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_;
+  mechanics::AlignedVector saved_;
+  std::vector<double> stages_[4];
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig) { return RealtimeSolver::Make(rig); }
+
+}  // namespace dynoproof

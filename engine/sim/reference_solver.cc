@@ -1,0 +1,161 @@
+// Solver `reference`: all continuous blocks as one system of equations in an adaptive SUNDIALS integrator. Events are
+// located; the integrator restarts after each, and wherever a held signal changes.
+#include <fmt/format.h>
+
+#include "sim/integrators.h"
+#include "sim/solver.h"
+
+namespace dynoproof {
+namespace {
+
+/// More events than this in one period is chatter, not physics.
+constexpr int kMostEvents = 10'000;
+
+class ReferenceSolver : public Solver {
+ public:
+  static Result<std::unique_ptr<Solver>> Make(const Rig& rig) {
+    auto solver = std::unique_ptr<ReferenceSolver>(new ReferenceSolver(rig));
+    if (rig.state_ports.empty()) return std::unique_ptr<Solver>(std::move(solver));
+    ReferenceSolver& self = *solver;
+    OdeProblem problem;
+    problem.relative_tolerance = rig.run.reference.relative_tolerance;
+    problem.max_step_s = rig.run.reference.max_step_s;
+    problem.guard_count = rig.guards;
+    for (const Port& state : rig.state_ports) {
+      problem.absolute_tolerance.push_back(rig.run.reference.relative_tolerance * state.nominal);
+    }
+    problem.rates = [&self](double time_s, std::span<const double> states, std::span<double> rates) {
+      self.Rates(time_s, states, rates);
+    };
+    problem.guards = [&self](double time_s, std::span<const double> states, std::span<double> values) {
+      self.Guards(time_s, states, values);
+    };
+    auto integrator = rig.run.reference.method == "bdf" ? MakeBdfIntegrator(std::move(problem))
+                                                        : MakeExplicitIntegrator(std::move(problem));
+    if (!integrator.ok()) return integrator.failure();
+    solver->integrator_ = std::move(*integrator);
+    return std::unique_ptr<Solver>(std::move(solver));
+  }
+
+  Status Start(Frame& frame) override {
+    StartBlocks(rig_, frame);
+    frame.solver.assign(rig_.guards, 1.0);  // a guard that is negative from the start is an event at t = 0
+    return {};
+  }
+
+  Status Advance(Frame& frame, int index) override {
+    const Interval& interval = rig_.intervals[index];
+    const double period_s = Seconds(rig_.period);
+    double time_s = Seconds(frame.time) + interval.begin * period_s;
+    // The next tick as the clock will say it, so that both solvers see the same times.
+    const bool last = index + 1 == static_cast<int>(rig_.intervals.size());
+    const double end_s =
+        last ? Seconds(frame.time + rig_.period) : Seconds(frame.time) + rig_.intervals[index + 1].begin * period_s;
+    signals_ = frame.signals;
+    modes_ = frame.modes;
+    if (integrator_ == nullptr) return {};
+    Jumps(frame, time_s);
+    if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
+    for (int events = 0; time_s < end_s; ++events) {
+      if (Status failed = integrator_->Evolve(end_s, time_s, frame.states, roots_)) return failed;
+      if (roots_.empty()) break;
+      if (events > kMostEvents) return Failure{"events without end: the model chatters", rig_.id, time_s};
+      for (const int guard : roots_) Happen(guard, time_s, frame);
+      if (time_s >= end_s) break;
+      if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
+    }
+    frame.modes = modes_;
+    RememberGuards(frame, end_s);
+    return {};
+  }
+
+  void Evaluate(Frame& frame, double time_s) override {
+    EvaluateBlocks(rig_, time_s, frame.states, frame.modes, frame.signals);
+  }
+
+  std::map<std::string, std::int64_t> counters() const override {
+    std::map<std::string, std::int64_t> all;
+    if (integrator_ != nullptr) all = integrator_->counters();
+    all["events"] = events_;
+    return all;
+  }
+  std::string Summary() const override {
+    return integrator_ == nullptr ? "no states"
+                                  : fmt::format("{}, {} states, relative tolerance {:g}", integrator_->name(),
+                                                rig_.state_ports.size(), rig_.run.reference.relative_tolerance);
+  }
+
+ private:
+  explicit ReferenceSolver(const Rig& rig) : rig_(rig) {
+    const std::vector<bool> feeds = FeedsDynamics(rig);
+    for (std::size_t i = 0; i < feeds.size(); ++i) {
+      if (feeds[i]) feeding_.push_back(&rig.blocks[i]);
+    }
+  }
+
+  /// The outputs that some state depends on; all others wait until somebody looks.
+  void EvaluateFeeding(double time_s, std::span<const double> states) {
+    for (const Block* block : feeding_) EvaluateBlock(*block, time_s, states, modes_, signals_);
+  }
+
+  void Rates(double time_s, std::span<const double> states, std::span<double> rates) {
+    EvaluateFeeding(time_s, states);
+    for (const Block& block : rig_.blocks) {
+      if (block.states() > 0) EvaluateRates(block, time_s, states, modes_, signals_, rates);
+    }
+  }
+
+  void Guards(double time_s, std::span<const double> states, std::span<double> values) {
+    EvaluateFeeding(time_s, states);
+    for (const Block& block : rig_.blocks) {
+      if (block.component->layout().guards > 0) EvaluateGuards(block, time_s, states, modes_, signals_, values);
+    }
+  }
+
+  /// One event: the block that owns the guard changes its modes and states.
+  void Happen(int guard, double time_s, Frame& frame) {
+    ++events_;
+    for (const Block& block : rig_.blocks) {
+      const int local = guard - block.first_guard;
+      if (local < 0 || local >= block.component->layout().guards) continue;
+      EvaluateFeeding(time_s, frame.states);
+      ApplyEvent(block, local, time_s, frame.states, modes_, signals_);
+    }
+  }
+
+  /// A guard that changed its sign because a held signal jumped is an event too. Each may switch another one.
+  void Jumps(Frame& frame, double time_s) {
+    if (rig_.guards == 0) return;
+    guards_.resize(rig_.guards);
+    for (int pass = 0; pass < rig_.guards; ++pass) {
+      Guards(time_s, frame.states, guards_);
+      int jumped = -1;
+      for (int i = 0; i < rig_.guards && jumped < 0; ++i) {
+        if (frame.solver[i] * guards_[i] < 0.0) jumped = i;
+      }
+      if (jumped < 0) return;
+      Happen(jumped, time_s, frame);
+      RememberGuards(frame, time_s);
+    }
+  }
+
+  void RememberGuards(Frame& frame, double time_s) {
+    if (rig_.guards == 0) return;
+    guards_.resize(rig_.guards);
+    Guards(time_s, frame.states, guards_);
+    for (int i = 0; i < rig_.guards; ++i) frame.solver[i] = guards_[i] > 0.0 ? 1.0 : guards_[i] < 0.0 ? -1.0 : 0.0;
+  }
+
+  const Rig& rig_;
+  std::vector<const Block*> feeding_;
+  std::unique_ptr<Integrator> integrator_;
+  std::vector<double> signals_, guards_;
+  std::vector<int> modes_, roots_;
+  std::int64_t events_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Solver>> MakeReferenceSolver(const Rig& rig) { return ReferenceSolver::Make(rig); }
+
+}  // namespace dynoproof

@@ -1,0 +1,140 @@
+#include "sim/simulate.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/subnormals.h"
+
+namespace dynoproof {
+
+Status Simulation::Start() {
+  for (const InputLine& line : rig_.inputs) {
+    if (line.source == nullptr) continue;
+    line.source->Output({0.0, {}, {}, {}}, {&frame_.signals[line.command], 1});
+    frame_.signals[line.delayed] = frame_.signals[line.command];
+  }
+  if (Status failed = solver_.Start(frame_)) return failed;
+  for (const InputLine& line : rig_.inputs) {
+    if (line.ring < 0) continue;
+    for (int i = 0; i <= line.delay_periods; ++i) frame_.rings[line.ring + i] = frame_.signals[line.command];
+  }
+  solver_.Evaluate(frame_, 0.0);
+  for (const OutputLine& line : rig_.outputs) {
+    for (int i = 0; line.ring >= 0 && i < line.delay_periods; ++i) {
+      frame_.rings[line.ring + i] = frame_.signals[line.signal];
+    }
+  }
+  return {};
+}
+
+void Simulation::TakeSamples() {
+  solver_.Evaluate(frame_, Seconds(frame_.time));
+  for (const OutputLine& line : rig_.outputs) {
+    frame_.signals[line.sample] =
+        line.ring < 0 ? frame_.signals[line.signal] : frame_.rings[line.ring + frame_.step % line.delay_periods];
+  }
+}
+
+void Simulation::TickControls() {
+  for (const Block& block : rig_.controls) {
+    if (frame_.time < block.offset || (frame_.time - block.offset) % block.period != 0) continue;
+    double inputs[64];
+    const std::size_t count = std::min<std::size_t>(block.inputs.size(), 64);
+    for (std::size_t i = 0; i < count; ++i) inputs[i] = frame_.signals[block.inputs[i]];
+    const std::span<double> states = std::span(frame_.control_states).subspan(block.first_state, block.states());
+    const std::span<int> modes =
+        std::span(frame_.control_modes).subspan(block.first_mode, block.component->layout().modes);
+    const View view{Seconds(frame_.time), {inputs, count}, states, modes};
+    block.component->Tick(view, states, std::span(frame_.signals).subspan(block.first_output, block.outputs()));
+  }
+}
+
+void Simulation::HoldCommands() {
+  const double time_s = Seconds(frame_.time);
+  for (const InputLine& line : rig_.inputs) {
+    if (line.continuous) continue;
+    double& command = frame_.signals[line.command];
+    if (line.source != nullptr) {
+      line.source->Output({time_s, {}, {}, {}}, {&command, 1});
+    } else {
+      command = frame_.signals[line.from];
+    }
+    if (line.ring >= 0) frame_.rings[line.ring + frame_.step % (line.delay_periods + 1)] = command;
+  }
+}
+
+Status Simulation::CheckFinite() const {
+  for (const OutputLine& line : rig_.outputs) {
+    if (!std::isfinite(frame_.signals[line.sample])) {
+      return Failure{"not a finite number", "output." + line.name, Seconds(frame_.time)};
+    }
+  }
+  for (const InputLine& line : rig_.inputs) {
+    if (!std::isfinite(frame_.signals[line.command])) {
+      return Failure{"not a finite number", "input." + line.name, Seconds(frame_.time)};
+    }
+  }
+  return {};
+}
+
+Status Simulation::Tick() {
+  TakeSamples();
+  TickControls();
+  HoldCommands();
+  return CheckFinite();
+}
+
+Status Simulation::Integrate() {
+  for (int index = 0; index < static_cast<int>(rig_.intervals.size()); ++index) {
+    const Interval& interval = rig_.intervals[index];
+    if (!interval.samples.empty()) {
+      const double offset_s = Seconds(rig_.period) * interval.begin;
+      solver_.Evaluate(frame_, Seconds(frame_.time) + offset_s);
+      for (const int output : interval.samples) {
+        const OutputLine& line = rig_.outputs[output];
+        frame_.rings[line.ring + frame_.step % line.delay_periods] = frame_.signals[line.signal];
+      }
+    }
+    for (const int input : interval.switches) {
+      // The command of delay_periods ago lies in the ring's next place: the oldest one.
+      const InputLine& line = rig_.inputs[input];
+      frame_.signals[line.delayed] = frame_.rings[line.ring + (frame_.step + 1) % (line.delay_periods + 1)];
+    }
+    if (Status failed = solver_.Advance(frame_, index)) return failed;
+  }
+  frame_.time += rig_.period;
+  ++frame_.step;
+  return {};
+}
+
+Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progress) {
+  const FlushSubnormals flush;
+  Samples samples;
+  const auto rows = static_cast<std::size_t>(rig.steps) + 1;
+  samples.time.reserve(rows);
+  samples.inputs.assign(rig.inputs.size(), {});
+  samples.outputs.assign(rig.outputs.size(), {});
+  for (auto* columns : {&samples.inputs, &samples.outputs}) {
+    for (std::vector<double>& column : *columns) column.reserve(rows);
+  }
+  Simulation simulation(rig, solver);
+  if (Status failed = simulation.Start()) return *failed;
+  const std::int64_t report = std::max<std::int64_t>(1, rig.steps / 200);
+  for (std::int64_t step = 0; step <= rig.steps; ++step) {
+    if (Status failed = simulation.Tick()) return *failed;
+    samples.time.push_back(Seconds(simulation.frame().time));
+    for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i].push_back(simulation.InputCommand(i));
+    for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i].push_back(simulation.OutputSample(i));
+    if (step == rig.steps) break;
+    if (Status failed = simulation.Integrate()) return *failed;
+    if (progress && step % report == 0 && !progress(static_cast<double>(step) / static_cast<double>(rig.steps))) {
+      return Failure{"interrupted", rig.id, Seconds(simulation.frame().time)};
+    }
+  }
+  samples.counters = solver.counters();
+  samples.solver_summary = solver.Summary();
+  return samples;
+}
+
+}  // namespace dynoproof

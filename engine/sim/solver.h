@@ -1,0 +1,58 @@
+// What a solver does for a run: it carries the continuous blocks over one interval, in which every held signal stands
+// still. Sampling, controllers and recording are the same for both solvers (simulate.h).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "base/status.h"
+#include "sim/rig.h"
+
+namespace dynoproof {
+
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  /// States and modes at t = 0 for the signals that are held now.
+  virtual Status Start(Frame& frame) = 0;
+  /// Carries the states over interval `index` of the period that begins at frame.time.
+  virtual Status Advance(Frame& frame, int index) = 0;
+  /// Writes every continuous signal at the present states, for the instant `time_s`.
+  virtual void Evaluate(Frame& frame, double time_s) = 0;
+
+  /// Steps, failed steps, events, ...: part of the result.
+  virtual std::map<std::string, std::int64_t> counters() const = 0;
+  /// One line on how the plant is carried: "71 pairs, 1 real, condition 3.2".
+  virtual std::string Summary() const = 0;
+};
+
+/// SUNDIALS: adaptive, events located, restarted wherever a held signal changes.
+Result<std::unique_ptr<Solver>> MakeReferenceSolver(const Rig& rig);
+/// Fixed work per period: exact modal propagation of the linear part, substeps for the rest.
+Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig);
+/// The one of that name: "reference" or "realtime".
+Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Rig& rig);
+
+/// Writes the outputs of all blocks, in order, from `states`; used by `reference` and by tests.
+void EvaluateBlocks(const Rig& rig, double time_s, std::span<const double> states, std::span<const int> modes,
+                    std::span<double> signals);
+/// The same for one block.
+void EvaluateBlock(const Block& block, double time_s, std::span<const double> states, std::span<const int> modes,
+                   std::span<double> signals);
+/// The rates of one block's states, into their place among `rates`.
+void EvaluateRates(const Block& block, double time_s, std::span<const double> states, std::span<const int> modes,
+                   std::span<const double> signals, std::span<double> rates);
+/// One block's guards, into their place among `values`; and what the event of one of them changes.
+void EvaluateGuards(const Block& block, double time_s, std::span<const double> states, std::span<const int> modes,
+                    std::span<const double> signals, std::span<double> values);
+void ApplyEvent(const Block& block, int guard, double time_s, std::span<double> states, std::span<int> modes,
+                std::span<const double> signals);
+/// By block: true when a block with states reads its outputs, directly or through stateless ones.
+std::vector<bool> FeedsDynamics(const Rig& rig);
+/// Starts every block in order: its states, modes and outputs for the signals that are held now.
+void StartBlocks(const Rig& rig, Frame& frame);
+
+}  // namespace dynoproof

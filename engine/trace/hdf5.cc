@@ -1,0 +1,368 @@
+#include "trace/hdf5.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <new>
+
+namespace dynoproof::trace::hdf5 {
+namespace {
+
+std::mutex& LibraryMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+Failure BadData(std::string message) {
+  return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2};
+}
+
+/// The text of an H5T_STRING type's raw bytes, without its padding.
+std::string Unpad(std::string text, H5T_str_t padding) {
+  if (padding == H5T_STR_SPACEPAD) {
+    text.resize(text.find_last_not_of(' ') + 1);
+  } else {
+    text.resize(std::min(text.find('\0'), text.size()));
+  }
+  return text;
+}
+
+/// Reads one string through `read(memory_type, buffer)`; fixed or variable length, as `file_type` says.
+template <class Read>
+bool ReadString(hid_t file_type, Read read, std::string& text) {
+  const htri_t variable = H5Tis_variable_str(file_type);
+  if (variable < 0) return false;
+  if (variable > 0) {
+    const Handle type(H5Tcopy(H5T_C_S1));
+    H5Tset_size(type.id(), H5T_VARIABLE);
+    H5Tset_cset(type.id(), H5Tget_cset(file_type));
+    char* raw = nullptr;
+    if (read(type.id(), &raw) < 0) return false;
+    text = raw == nullptr ? "" : raw;
+    H5free_memory(raw);
+    return true;
+  }
+  text.assign(H5Tget_size(file_type), '\0');
+  if (read(file_type, text.data()) < 0) return false;
+  text = Unpad(std::move(text), H5Tget_strpad(file_type));
+  return true;
+}
+
+/// A text's type: fixed length, so that the bytes do not wander into a heap of the file.
+Handle TextType(std::string_view text) {
+  Handle type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type.id(), std::max<std::size_t>(1, text.size()));
+  H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  return type;
+}
+
+Status WriteScalarAttribute(hid_t object, const std::string& name, hid_t file_type, hid_t memory_type,
+                            const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR));
+  const Handle attribute(H5Acreate2(object, name.c_str(), file_type, space.id(), H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.valid() || H5Awrite(attribute.id(), memory_type, value) < 0) {
+    return LastError(fmt::format("attribute \"{}\" cannot be written", name));
+  }
+  return {};
+}
+
+}  // namespace
+
+Session::Session() : lock_(LibraryMutex()) {
+  // Damaged files can leave objects open inside the library, about which its own clean-up at exit complains on stderr.
+  // Everything of ours closes itself before.
+  static const herr_t kept_quiet = H5dont_atexit();
+  (void)kept_quiet;
+  H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Session::~Session() { H5Eset_auto2(H5E_DEFAULT, print_, print_data_); }
+
+Failure LastError(std::string_view what) {
+  std::string innermost;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+        *static_cast<std::string*>(out) = error->desc == nullptr ? "" : error->desc;
+        return 1;  // the first is the innermost: enough
+      },
+      &innermost);
+  return BadData(innermost.empty() ? std::string(what) : fmt::format("{}: {}", what, innermost));
+}
+
+Result<Handle> OpenFile(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) {
+    return BadData(status.type() == std::filesystem::file_type::not_found ? "there is no such file"
+                                                                          : "cannot be read: " + error.message());
+  }
+  if (!std::filesystem::is_regular_file(status)) return BadData("is not a file");
+  if (H5Fis_hdf5(path.c_str()) == 0) return BadData("is not an HDF5 file");
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  if (!file.valid()) return LastError("cannot be opened as an HDF5 file");
+  return file;
+}
+
+Kind KindOf(hid_t location, const std::string& path) {
+  const Handle object(H5Oopen(location, path.c_str(), H5P_DEFAULT));
+  if (!object.valid()) {
+    return H5Lexists(location, path.c_str(), H5P_DEFAULT) > 0 ? Kind::kBroken : Kind::kMissing;
+  }
+  const H5I_type_t type = H5Iget_type(object.id());
+  return type == H5I_GROUP ? Kind::kGroup : type == H5I_DATASET ? Kind::kDataset : Kind::kOther;
+}
+
+Result<Handle> OpenGroup(hid_t location, const std::string& path) {
+  Handle group(H5Gopen2(location, path.c_str(), H5P_DEFAULT));
+  if (!group.valid()) return LastError(fmt::format("there is no group \"{}\"", path));
+  return group;
+}
+
+Result<Handle> OpenDataset(hid_t location, const std::string& path, const std::string& shown) {
+  Handle dataset(H5Dopen2(location, path.c_str(), H5P_DEFAULT));
+  if (!dataset.valid()) return LastError(fmt::format("there is no dataset \"{}\"", shown.empty() ? path : shown));
+  return dataset;
+}
+
+namespace {
+
+/// Calls iterate(index) once, in the order of creation when the object tracks it, else by name.
+template <class Iterate>
+Result<std::vector<std::string>> Names(bool tracked, Iterate iterate) {
+  std::vector<std::string> names;
+  if (iterate(tracked ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME, &names) < 0) return LastError("the names cannot be listed");
+  return names;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> LinkNames(hid_t group) {
+  const Handle plist(H5Gget_create_plist(group));
+  unsigned order = 0;
+  H5Pget_link_creation_order(plist.id(), &order);
+  return Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, void* names) {
+    const auto add = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+      static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+      return 0;
+    };
+    return H5Literate(group, index, H5_ITER_INC, nullptr, add, names);
+  });
+}
+
+Result<std::vector<std::string>> AttributeNames(hid_t object) {
+  const H5I_type_t type = H5Iget_type(object);
+  const Handle plist(type == H5I_DATASET ? H5Dget_create_plist(object) : H5Gget_create_plist(object));
+  unsigned order = 0;
+  H5Pget_attr_creation_order(plist.id(), &order);
+  return Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, void* names) {
+    const auto add = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+      static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+      return 0;
+    };
+    return H5Aiterate2(object, index, H5_ITER_INC, nullptr, add, names);
+  });
+}
+
+std::vector<std::size_t> Shape(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset));
+  const int rank = H5Sget_simple_extent_ndims(space.id());
+  std::vector<hsize_t> extents(static_cast<std::size_t>(std::max(rank, 0)));
+  if (!extents.empty()) H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr);
+  return {extents.begin(), extents.end()};
+}
+
+Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name) {
+  const Handle type(H5Dget_type(dataset));
+  const H5T_class_t type_class = H5Tget_class(type.id());
+  if (type_class != H5T_FLOAT && type_class != H5T_INTEGER) {
+    return BadData(fmt::format("dataset \"{}\" does not hold numbers", name));
+  }
+  const Handle space(H5Dget_space(dataset));
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (count < 0) return LastError(fmt::format("dataset \"{}\" has no readable extent", name));
+  // A damaged header may promise any extent. Deflate cannot shrink by more than about 1032; values that the file does
+  // not hold at all would come back as silent zeros.
+  const hsize_t stored = H5Dget_storage_size(dataset);
+  constexpr hsize_t kLargestRatio = 1100;
+  if (count > 0 && static_cast<hsize_t>(count) * H5Tget_size(type.id()) / kLargestRatio > stored) {
+    return BadData(fmt::format("dataset \"{}\" promises {} values, but only {} bytes are stored", name, count, stored));
+  }
+  if (count > 0 && stored == 0) {
+    return BadData(fmt::format("dataset \"{}\" promises {} values, but none are stored", name, count));
+  }
+  try {
+    std::vector<double> values(static_cast<std::size_t>(count));
+    if (count > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+      return LastError(fmt::format("dataset \"{}\" cannot be read", name));
+    }
+    return values;
+  } catch (const std::bad_alloc&) {
+    return BadData(fmt::format("dataset \"{}\" with {} values does not fit into memory", name, count));
+  }
+}
+
+Result<std::string> ReadText(hid_t dataset, const std::string& name) {
+  const Handle type(H5Dget_type(dataset));
+  if (H5Tget_class(type.id()) != H5T_STRING || !Shape(dataset).empty()) {
+    return BadData(fmt::format("dataset \"{}\" is not one text", name));
+  }
+  std::string text;
+  const auto read = [&](hid_t memory_type, void* out) {
+    return H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out);
+  };
+  if (!ReadString(type.id(), read, text)) return LastError(fmt::format("dataset \"{}\" cannot be read", name));
+  return text;
+}
+
+Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
+  const htri_t exists = H5Aexists(object, name.c_str());
+  if (exists == 0) return Attribute{};
+  const auto broken = [&] { return LastError(fmt::format("attribute \"{}\" cannot be read", name)); };
+  const Handle attribute(exists < 0 ? H5I_INVALID_HID : H5Aopen(object, name.c_str(), H5P_DEFAULT));
+  if (!attribute.valid()) return broken();
+  const Handle space(H5Aget_space(attribute.id()));
+  const Handle type(H5Aget_type(attribute.id()));
+  if (H5Sget_simple_extent_npoints(space.id()) != 1) return Attribute{};
+  switch (H5Tget_class(type.id())) {
+    case H5T_STRING: {
+      std::string text;
+      const auto read = [&](hid_t memory_type, void* out) { return H5Aread(attribute.id(), memory_type, out); };
+      if (!ReadString(type.id(), read, text)) return broken();
+      return Attribute(std::move(text));
+    }
+    case H5T_INTEGER: {
+      std::int64_t value = 0;
+      if (H5Aread(attribute.id(), H5T_NATIVE_INT64, &value) < 0) return broken();
+      return Attribute(value);
+    }
+    case H5T_FLOAT: {
+      double value = 0.0;
+      if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) < 0) return broken();
+      return Attribute(value);
+    }
+    default:
+      return Attribute{};
+  }
+}
+
+void* MemoryFile::Resize(void*, std::size_t bytes, H5FD_file_image_op_t, void* self) {
+  try {
+    auto& memory = static_cast<MemoryFile*>(self)->bytes_;
+    memory.resize(bytes);
+    return memory.data();
+  } catch (const std::bad_alloc&) {
+    return nullptr;  // HDF5 turns it into an error
+  }
+}
+
+Result<std::unique_ptr<MemoryFile>> MemoryFile::Create(std::size_t expected_bytes) {
+  std::unique_ptr<MemoryFile> memory(new MemoryFile);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE));
+  H5Pset_fapl_core(access.id(), std::max<std::size_t>(expected_bytes, 1U << 16), /*backing_store=*/0);
+  H5FD_file_image_callbacks_t callbacks = {};
+  callbacks.image_malloc = [](std::size_t bytes, H5FD_file_image_op_t op, void* self) {
+    return Resize(nullptr, bytes, op, self);
+  };
+  callbacks.image_realloc = Resize;
+  callbacks.image_free = [](void*, H5FD_file_image_op_t, void*) -> herr_t { return 0; };  // the bytes are what we want
+  callbacks.udata_copy = [](void* self) { return self; };
+  callbacks.udata_free = [](void*) -> herr_t { return 0; };
+  callbacks.udata = memory.get();
+  H5Pset_file_image_callbacks(access.id(), &callbacks);
+  // The format of HDF5 1.10 (2016): all its metadata carry checksums. The older chunk index has none: a changed byte in
+  // it can make values come back as zeros.
+  H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  // Closing fails while an object is still open, instead of leaving the bytes unfinished.
+  H5Pset_fclose_degree(access.id(), H5F_CLOSE_SEMI);
+  // No times on the root group. Non-default file properties (such as H5Pset_istore_k) would add a superblock extension,
+  // which stores the clock whatever is said here.
+  H5Pset_obj_track_times(creation.id(), false);
+  memory->file_ = Handle(H5Fcreate("memory", H5F_ACC_TRUNC, creation.id(), access.id()));
+  if (!memory->file_.valid()) return LastError("cannot build the file in memory");
+  return memory;
+}
+
+Result<std::vector<std::byte>> MemoryFile::Finish() {
+  // Flushing gives back what was set aside but not used; the memory beyond the size is never part of the file.
+  const bool flushed = H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) >= 0;
+  const ssize_t size = flushed ? H5Fget_file_image(file_.id(), nullptr, 0) : -1;
+  if (size <= 0 || H5Fclose(file_.Release()) < 0 || static_cast<std::size_t>(size) > bytes_.size()) {
+    return LastError("cannot finish the file in memory");
+  }
+  bytes_.resize(static_cast<std::size_t>(size));
+  return std::move(bytes_);
+}
+
+Result<Handle> CreateGroup(hid_t location, const std::string& name) {
+  const Handle plist(H5Pcreate(H5P_GROUP_CREATE));
+  H5Pset_obj_track_times(plist.id(), false);
+  H5Pset_link_creation_order(plist.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+  H5Pset_attr_creation_order(plist.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+  Handle group(H5Gcreate2(location, name.c_str(), H5P_DEFAULT, plist.id(), H5P_DEFAULT));
+  if (!group.valid()) return LastError(fmt::format("group \"{}\" cannot be written", name));
+  return group;
+}
+
+Result<Handle> WriteDoubles(hid_t location, const std::string& name, std::span<const double> values,
+                            const Storage& storage) {
+  const Handle plist(H5Pcreate(H5P_DATASET_CREATE));
+  H5Pset_obj_track_times(plist.id(), false);
+  if (!values.empty()) {
+    // Chunks of equal size up to 512 kB: the last one is padded by less than a value a chunk.
+    constexpr std::size_t kLargestChunk = 1U << 16;
+    const std::size_t chunks = (values.size() + kLargestChunk - 1) / kLargestChunk;
+    const hsize_t rows = (values.size() + chunks - 1) / chunks;
+    H5Pset_chunk(plist.id(), 1, &rows);
+    if (storage.deflate_level > 0) {
+      H5Pset_shuffle(plist.id());
+      H5Pset_deflate(plist.id(), static_cast<unsigned>(std::min(storage.deflate_level, 9)));
+    }
+    H5Pset_fletcher32(plist.id());
+  }
+  const hsize_t extent = values.size();
+  const Handle space(H5Screate_simple(1, &extent, nullptr));
+  Handle dataset(H5Dcreate2(location, name.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, plist.id(), H5P_DEFAULT));
+  if (!dataset.valid() ||
+      (extent > 0 && H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)) {
+    return LastError(fmt::format("dataset \"{}\" cannot be written", name));
+  }
+  return dataset;
+}
+
+Status WriteText(hid_t location, const std::string& name, std::string_view text) {
+  const Handle type = TextType(text);
+  const Handle space(H5Screate(H5S_SCALAR));
+  const Handle plist(H5Pcreate(H5P_DATASET_CREATE));
+  H5Pset_obj_track_times(plist.id(), false);
+  // Inside the header, whose checksum then covers it; a header ends at 64 kB.
+  constexpr std::size_t kLongestCompact = 60000;
+  if (text.size() <= kLongestCompact) H5Pset_layout(plist.id(), H5D_COMPACT);
+  const Handle dataset(H5Dcreate2(location, name.c_str(), type.id(), space.id(), H5P_DEFAULT, plist.id(), H5P_DEFAULT));
+  const std::string padded(text.empty() ? std::string_view("\0", 1) : text);
+  if (!dataset.valid() || H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0) {
+    return LastError(fmt::format("dataset \"{}\" cannot be written", name));
+  }
+  return {};
+}
+
+Status WriteAttribute(hid_t object, const std::string& name, std::string_view text) {
+  const Handle type = TextType(text);
+  const std::string padded(text.empty() ? std::string_view("\0", 1) : text);
+  return WriteScalarAttribute(object, name, type.id(), type.id(), padded.data());
+}
+
+Status WriteAttribute(hid_t object, const std::string& name, double value) {
+  return WriteScalarAttribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
+Status WriteAttribute(hid_t object, const std::string& name, std::int64_t value) {
+  return WriteScalarAttribute(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &value);
+}
+
+}  // namespace dynoproof::trace::hdf5

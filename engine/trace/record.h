@@ -1,0 +1,68 @@
+// A record: what a measurement file holds, column by column, before anybody has said what the columns mean. Columns may
+// differ in length and time base, as HDF5 and MAT files have it; text files give equal lengths.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/status.h"
+#include "trace/trace.h"
+
+namespace dynoproof::trace {
+
+/// One measured quantity as it stands in the file: no unit conversion, no sign.
+struct Column {
+  std::string name;
+  std::string unit = {};                 // as written; "" if the file names none
+  std::vector<double> values = {};       // NaN where the file has NaN or an empty cell, see Record::non_finite
+  std::optional<std::size_t> time = {};  // the column of its time stamps, if the file has one; none for a time column
+};
+
+/// Where a column is not finite. Row numbers start at 0, line numbers at 1; `first_line` is 0 for binary files.
+struct NonFinite {
+  std::size_t column = 0;
+  std::size_t count = 0;
+  std::size_t first_row = 0;
+  std::size_t first_line = 0;
+};
+
+struct Record {
+  std::string source;  // the file it was read from
+  std::vector<Column> columns;
+  std::optional<std::size_t> time;    // the column `t` or `time`, if there is one
+  std::vector<NonFinite> non_finite;  // at most one entry a column; empty means every value is finite
+  std::vector<std::string> notes;     // what a reader should know, one sentence each
+
+  /// The column of this name, or nothing.
+  std::optional<std::size_t> Find(std::string_view name) const;
+  std::vector<std::string> Names() const;
+  /// "column "x": 3 values are not finite, the first at line 17", one for each entry of `non_finite`.
+  std::vector<std::string> DescribeNonFinite() const;
+};
+
+/// Whether a column of this name holds the time stamps: `t` or `time`, in this case (`T` is a torque).
+bool IsTimeName(std::string_view name);
+
+/// Makes the first column that IsTimeName() the time column of the record and of every column of its length that has
+/// none; fills `non_finite`, keeping the line numbers of entries that are there already. Readers call it last.
+void FinishRecord(Record& record);
+
+/// A trace seen as a record: column `time`, `time_1`, ..., and one column a signal.
+Record ToRecord(const Trace& trace, std::string source);
+
+/// Reads a record from an HDF5 file. Without `datasets`: the layout of trace_io.h, times and values unchecked. With
+/// `datasets`: these, by path ("/measurement/torque"), each a column named as the path was given. A matrix [n][m]
+/// becomes the columns "path[0]" ... "path[m-1]", of which one may be asked for by that name; extents of 1 do not
+/// count. The unit is the attribute `unit` or `units`. Failure (exit code 2, `signal` = path): as ReadTrace(), with the
+/// names of the datasets that the file does have.
+Result<Record> ReadHdf5Record(const std::filesystem::path& path, std::span<const std::string> datasets = {});
+
+/// Every dataset of numbers in an HDF5 file, by full path, sorted.
+Result<std::vector<std::string>> ListHdf5Datasets(const std::filesystem::path& path);
+
+}  // namespace dynoproof::trace

@@ -1,0 +1,33 @@
+// Independent references. An oracle shares no code with the engine's models and solvers: it reads the scenario's
+// numbers itself and computes the outputs by another method. tests/oracles prove each against closed forms.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "model/value.h"
+
+namespace dynoproof::oracles {
+
+/// What an oracle is asked: a scenario (effects applied) and the commands its inputs held.
+struct Question {
+  const Value& scenario;
+  std::span<const double> time;                           // n ticks [s], uniform
+  std::map<std::string, std::span<const double>> inputs;  // by name; value k holds from tick k to k + 1
+  std::vector<std::string> outputs;                       // names of [output.NAME]
+};
+using Answer = std::map<std::string, std::vector<double>>;
+
+/// A linear drive line with held inputs, solved exactly: one matrix exponential in extended precision for the period,
+/// then a dense recursion in relative angles and speeds. Fails (exit code 2) when the scenario has anything else in it:
+/// laws other than spring and damper or viscous loads, actuator or sensor stages, further parts.
+Result<Answer> HeldInputExponential(const Question& question);
+
+/// All oracles by name.
+using Oracle = Result<Answer> (*)(const Question&);
+const std::map<std::string, Oracle, std::less<>>& All();
+
+}  // namespace dynoproof::oracles

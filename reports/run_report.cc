@@ -1,0 +1,245 @@
+#include "reports/run_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <sstream>
+
+namespace dynoproof::reports {
+namespace {
+
+using score::Check;
+using score::Verdict;
+
+std::string Paint(const char* code, const std::string& text, bool colour) {
+  return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : text;
+}
+
+const char* Colour(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "32";
+    case Verdict::kInconclusive:
+      return "33";
+    default:
+      return "1;31";
+  }
+}
+
+/// How much of its limit a check used; infinite for one that never came to a number.
+double Share(const Check& check) {
+  if (!std::isfinite(check.value) || !std::isfinite(check.limit)) return INFINITY;
+  return check.limit > 0.0 ? check.value / check.limit : (check.value > check.limit ? INFINITY : 0.0);
+}
+
+int Failed(const ScenarioResult& result) {
+  return static_cast<int>(std::count_if(result.checks.begin(), result.checks.end(),
+                                        [](const Check& check) { return check.verdict != Verdict::kPass; }));
+}
+
+/// Results with the worst first.
+std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results) {
+  std::vector<const ScenarioResult*> sorted;
+  for (const ScenarioResult& result : results) sorted.push_back(&result);
+  const auto badness = [](const ScenarioResult* result) {
+    switch (result->verdict) {
+      case Verdict::kBroken:
+        return 0;
+      case Verdict::kFail:
+        return 1;
+      case Verdict::kInconclusive:
+        return 2;
+      default:
+        return 3;
+    }
+  };
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) { return badness(a) < badness(b); });
+  return sorted;
+}
+
+std::string Limit(const Check& check) {
+  const std::string unit = check.unit == "1" ? "" : " " + check.unit;
+  return fmt::format("{:.3g}{} (limit {:.3g}{})", check.value, unit, check.limit, unit);
+}
+
+/// A Markdown table cell: no pipes, no line breaks.
+std::string Cell(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::string out;
+  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  return out;
+}
+
+}  // namespace
+
+int WorseExit(int a, int b) {
+  const auto rank = [](int code) {
+    constexpr int kOrder[] = {2, 3, 1, 5, 4, 0};
+    return std::find(std::begin(kOrder), std::end(kOrder), code) - std::begin(kOrder);
+  };
+  return rank(a) < rank(b) ? a : b;
+}
+
+int ExitCode(const std::vector<ScenarioResult>& results) {
+  if (results.empty()) return 1;
+  int code = 0;
+  for (const ScenarioResult& result : results) code = WorseExit(code, score::ExitCode(result.verdict));
+  return code;
+}
+
+nlohmann::json Number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+
+nlohmann::json ToJson(const std::vector<ScenarioResult>& results) {
+  nlohmann::json document = {{"exit", ExitCode(results)}, {"scenarios", nlohmann::json::array()}};
+  for (const ScenarioResult& result : results) {
+    nlohmann::json scenario = {{"id", result.id},
+                               {"title", result.title},
+                               {"verdict", score::ToString(result.verdict)},
+                               {"trace", result.trace_file},
+                               {"checks", nlohmann::json::array()},
+                               {"figures", nlohmann::json::object()}};
+    if (!result.broken.empty()) scenario["broken"] = result.broken;
+    if (!result.notes.empty()) scenario["notes"] = result.notes;
+    for (const Check& check : result.checks) {
+      scenario["checks"].push_back({{"name", check.name},
+                                    {"kind", check.kind},
+                                    {"verdict", score::ToString(check.verdict)},
+                                    {"value", Number(check.value)},
+                                    {"limit", Number(check.limit)},
+                                    {"unit", check.unit},
+                                    {"origin", check.origin},
+                                    {"explanation", check.explanation}});
+    }
+    for (const auto& [name, figure] : result.figures) {
+      scenario["figures"][name] = {{"value", Number(figure.value)}, {"unit", figure.unit}};
+    }
+    document["scenarios"].push_back(std::move(scenario));
+  }
+  return document;
+}
+
+std::string ToJUnit(const std::vector<ScenarioResult>& results) {
+  pugi::xml_document document;
+  pugi::xml_node suites = document.append_child("testsuites");
+  for (const ScenarioResult& result : results) {
+    pugi::xml_node suite = suites.append_child("testsuite");
+    const bool broken = result.verdict == Verdict::kBroken && result.checks.empty();
+    const std::size_t cases = result.checks.size() + (broken || result.checks.empty() ? 1 : 0);
+    suite.append_attribute("name") = result.id.c_str();
+    suite.append_attribute("tests") = cases;
+    int failures = 0, errors = 0, skipped = 0;
+    const auto add = [&](const std::string& name, Verdict verdict, const std::string& message) {
+      pugi::xml_node test = suite.append_child("testcase");
+      test.append_attribute("classname") = result.id.c_str();
+      test.append_attribute("name") = name.c_str();
+      if (verdict == Verdict::kPass) return;
+      const bool error = verdict == Verdict::kBroken, skip = verdict == Verdict::kInconclusive;
+      ++(error ? errors : skip ? skipped : failures);
+      pugi::xml_node why = test.append_child(error ? "error" : skip ? "skipped" : "failure");
+      why.append_attribute("message") = message.c_str();
+    };
+    for (const Check& check : result.checks) add(check.name, check.verdict, Limit(check) + ": " + check.explanation);
+    if (result.checks.empty()) {
+      std::string why = result.broken;
+      for (const std::string& note : result.notes) why += (why.empty() ? "" : "; ") + note;
+      add("run", result.verdict, why);
+    }
+    suite.append_attribute("failures") = failures;
+    suite.append_attribute("errors") = errors;
+    suite.append_attribute("skipped") = skipped;
+  }
+  std::ostringstream text;
+  document.save(text, "  ");
+  return text.str();
+}
+
+std::string ToMarkdown(const std::vector<ScenarioResult>& results, std::size_t most_bytes) {
+  int failed = 0, checks = 0;
+  for (const ScenarioResult& result : results) {
+    failed += result.verdict != Verdict::kPass;
+    checks += static_cast<int>(result.checks.size());
+  }
+  std::string text = fmt::format(
+      "# dynoproof run\n\n{} scenarios, {} checks, {} scenarios not passed\n\n"
+      "| scenario | verdict | checks | failed | worst check | value (limit) |\n|---|---|---|---|---|---|\n",
+      results.size(), checks, failed);
+  std::string details;
+  std::size_t left_out = 0;
+  for (const ScenarioResult* result : WorstFirst(results)) {
+    const Check* worst = WorstCheck(*result);
+    const std::string row =
+        fmt::format("| {} | {} | {} | {} | {} | {} |\n", result->id, score::ToString(result->verdict),
+                    result->checks.size(), Failed(*result), worst == nullptr ? Cell(result->broken) : Cell(worst->name),
+                    worst == nullptr ? "" : Cell(Limit(*worst)));
+    std::string detail;
+    for (const Check& check : result->checks) {
+      if (check.verdict == Verdict::kPass) continue;
+      detail += fmt::format("- **{}**: {}: {}. {} Limit: {}\n", result->id, check.name, score::ToString(check.verdict),
+                            Cell(check.explanation), Cell(check.origin));
+    }
+    if (text.size() + details.size() + row.size() + detail.size() > most_bytes) {
+      ++left_out;
+      continue;
+    }
+    text += row;
+    details += detail;
+  }
+  if (left_out > 0) text += fmt::format("\n{} more scenarios are left out for size; the JSON has them.\n", left_out);
+  if (!details.empty()) text += "\n## Not passed\n\n" + details;
+  return text;
+}
+
+const Check* WorstCheck(const ScenarioResult& result) {
+  const Check* worst = nullptr;
+  for (const Check& check : result.checks) {
+    if (worst == nullptr ||
+        (score::Worse(check.verdict, worst->verdict) == check.verdict && check.verdict != worst->verdict) ||
+        (check.verdict == worst->verdict && Share(check) > Share(*worst))) {
+      worst = &check;
+    }
+  }
+  return worst;
+}
+
+std::string ToTable(const std::vector<ScenarioResult>& results, bool colour) {
+  std::size_t width = 8;
+  for (const ScenarioResult& result : results) width = std::max(width, result.id.size());
+  std::string text = fmt::format("{:<{}}  {:<12}  {:>6}  {:>6}  {}\n", "scenario", width, "verdict", "checks", "failed",
+                                 "worst check");
+  text += std::string(width + 60, '-') + "\n";
+  for (const ScenarioResult& result : results) {
+    const Check* worst = WorstCheck(result);
+    std::string last = !result.broken.empty() ? result.broken : "";
+    if (worst != nullptr) last = fmt::format("{}: {}", worst->name, Limit(*worst));
+    if (worst == nullptr && last.empty() && !result.notes.empty()) last = result.notes.back();
+    text += fmt::format("{:<{}}  {}  {:>6}  {:>6}  {}\n", result.id, width,
+                        Paint(Colour(result.verdict), fmt::format("{:<12}", score::ToString(result.verdict)), colour),
+                        result.checks.size(), Failed(result), last);
+  }
+  return text;
+}
+
+std::string ToCards(const std::vector<ScenarioResult>& results, const std::string& again, bool colour) {
+  std::string text;
+  for (const ScenarioResult& result : results) {
+    if (!result.broken.empty()) {
+      text += fmt::format("\n{} {}\n  what   the run broke: {}\n  again  {} {}\n", Paint("1;31", "BROKEN", colour),
+                          result.id, result.broken, again, result.id);
+    }
+    for (const Check& check : result.checks) {
+      if (check.verdict == Verdict::kPass) continue;
+      text += fmt::format(
+          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n  again  {} {}\n",
+          Paint(Colour(check.verdict), check.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED", colour),
+          result.id, check.name, Limit(check), check.explanation, check.origin, again, result.id);
+    }
+  }
+  return text;
+}
+
+}  // namespace dynoproof::reports

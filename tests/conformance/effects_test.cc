@@ -1,0 +1,266 @@
+// What every effect promises, asked of the whole registry.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "base/random.h"
+#include "base/units.h"
+#include "tests/support/build.h"
+#include "tests/support/flatten.h"
+#include "tests/support/plan_builder.h"
+
+namespace dynoproof {
+namespace {
+
+using testing::Build;
+using testing::BuildLaw;
+using testing::BuiltIns;
+using testing::Differences;
+
+// Effects of drive lines and of inputs and outputs, by the names of the contract, with their parameters.
+const std::map<std::string, std::vector<std::string>> kContract = {
+    {"viscous_friction", {"b"}},
+    {"coulomb_friction", {"T_c"}},
+    {"stribeck_friction", {"T_c", "T_s", "w_s"}},
+    {"asymmetric_friction", {"T_c_pos", "T_c_neg", "b_pos", "b_neg"}},
+    {"dahl_friction", {"F_c", "sigma"}},
+    {"constant_load", {"T_0"}},
+    {"quadratic_drag", {"b2"}},
+    {"torque_ripple", {"A", "n", "theta"}},
+    {"inertia_change", {"delta"}},
+    {"stiffness_change", {"delta"}},
+    {"damping_change", {"delta"}},
+    {"distributed_inertia", {"I", "k_rotor", "c_rotor"}},
+    {"series_elasticity", {"k", "c"}},
+    {"cubic_stiffness", {"k3"}},
+    {"actuator_lag", {"tau"}},
+    {"actuator_delay", {"t_d"}},
+    {"actuator_gain", {"g"}},
+    {"actuator_saturation", {"limit"}},
+    {"actuator_dead_zone", {"width"}},
+    {"actuator_harmonic", {"h2", "h3"}},
+    {"sensor_gain", {"g"}},
+    {"sensor_offset", {"o"}},
+    {"sensor_delay", {"t_d"}},
+    {"sensor_lag", {"tau"}},
+    {"sensor_drift", {"slope"}},
+    {"sensor_rectified", {}},
+};
+
+// Plans on which each of these effects has a place between them.
+std::vector<Plan> SamplePlans() { return {testing::LumpedPlan(), testing::SoftPlan()}; }
+
+std::vector<double> Starts(const Effect& effect) {
+  std::vector<double> values;
+  for (const EffectParameter& parameter : effect.info().parameters) values.push_back(parameter.start);
+  return values;
+}
+
+/// The neutral value of each parameter, the start for shape parameters.
+std::vector<double> Neutrals(const Effect& effect) {
+  std::vector<double> values = Starts(effect);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double neutral = effect.info().parameters[i].neutral;
+    if (!std::isnan(neutral)) values[i] = neutral;
+  }
+  return values;
+}
+
+/// Every effect at every place of the sample plans.
+void ForEachUse(const std::function<void(const Effect&, const Plan&, const Place&)>& body) {
+  for (const auto& [name, parameters] : kContract) {
+    const Effect* effect = BuiltIns().FindEffect(name);
+    ASSERT_NE(effect, nullptr) << name;
+    int places = 0;
+    for (const Plan& plan : SamplePlans()) {
+      for (const Place& place : effect->Places(plan)) {
+        SCOPED_TRACE(name + " at " + place.ToString());
+        body(*effect, plan, place);
+        ++places;
+      }
+    }
+    EXPECT_GT(places, 0) << name;
+  }
+}
+
+TEST(Effects, HaveTheNamesAndParametersOfTheContract) {
+  for (const auto& [name, parameters] : kContract) {
+    const Effect* effect = BuiltIns().FindEffect(name);
+    ASSERT_NE(effect, nullptr) << name;
+    std::vector<std::string> names;
+    for (const EffectParameter& parameter : effect->info().parameters) names.push_back(parameter.name);
+    EXPECT_EQ(names, parameters) << name;
+  }
+}
+
+TEST(Effects, DeclareParametersThatAFitCanUse) {
+  for (const Effect* effect : BuiltIns().Effects()) {
+    SCOPED_TRACE(effect->info().name);
+    EXPECT_FALSE(effect->info().law.empty());
+    EXPECT_FALSE(effect->info().description.empty());
+    for (const EffectParameter& p : effect->info().parameters) {
+      SCOPED_TRACE(p.name);
+      EXPECT_TRUE(ParseUnit(p.unit)) << p.unit;
+      EXPECT_FALSE(p.description.empty());
+      EXPECT_TRUE(std::isfinite(p.lower) && std::isfinite(p.upper));
+      EXPECT_LT(p.lower, p.upper);
+      EXPECT_GE(p.start, p.lower);
+      EXPECT_LE(p.start, p.upper);
+      EXPECT_TRUE(std::isnan(p.neutral) || (p.neutral >= p.lower && p.neutral <= p.upper));
+    }
+  }
+}
+
+TEST(Effects, HaveNoPlaceOnUnsuitablePlans) {
+  Plan bare = testing::LumpedPlan();
+  bare.root.Erase("plant");
+  bare.root.Erase("input");
+  bare.root.Erase("output");
+  Plan broken = testing::LumpedPlan();
+  broken.root["plant"]["load"] = Value(5.0);
+  for (const auto& [name, parameters] : kContract) {
+    const Effect* effect = BuiltIns().FindEffect(name);
+    ASSERT_NE(effect, nullptr);
+    EXPECT_TRUE(effect->Places(testing::PressurePlan()).empty()) << name;
+    EXPECT_TRUE(effect->Places(bare).empty()) << name;
+    for (const Place& place : effect->Places(broken)) {
+      EXPECT_TRUE(place.kind == "input" || place.kind == "output") << name << " on a plan whose loads are a number";
+    }
+  }
+}
+
+TEST(Effects, LeaveAllElseUntouched) {
+  ForEachUse([](const Effect& effect, const Plan& plan, const Place& place) {
+    Plan changed = plan;
+    effect.Apply(changed, place, Starts(effect));
+    std::vector<std::string> allowed;
+    if (place.kind == "input")
+      allowed = {"input." + place.name + ".actuator."};
+    else if (place.kind == "output")
+      allowed = {"output." + place.name + ".sensor."};
+    else if (effect.info().name == "distributed_inertia")
+      allowed = {"plant.", "output.omega_1.of"};
+    else if (effect.info().name == "series_elasticity")
+      allowed = {"plant.inertia.", "plant.shaft.", "plant.run.R."};
+    else
+      allowed = {"plant." + place.kind + "." + place.name, "plant.load." + effect.info().name + "."};
+    for (const std::string& path : Differences(plan.root, changed.root)) {
+      EXPECT_TRUE(std::any_of(allowed.begin(), allowed.end(), [&](const std::string& a) {
+        return path.starts_with(a);
+      })) << path;
+    }
+  });
+}
+
+TEST(Effects, AtOtherStrengthsChangeThePlan) {
+  ForEachUse([](const Effect& effect, const Plan& plan, const Place& place) {
+    Plan changed = plan, stronger = plan;
+    effect.Apply(changed, place, Starts(effect));
+    EXPECT_FALSE(Differences(plan.root, changed.root).empty());
+    for (std::size_t i = 0; i < effect.info().parameters.size(); ++i) {  // every parameter reaches the plan
+      std::vector<double> values = Starts(effect);
+      const EffectParameter& p = effect.info().parameters[i];
+      values[i] = p.start < 0.5 * (p.lower + p.upper) ? p.start + 0.125 * (p.upper - p.lower)
+                                                      : p.start - 0.125 * (p.upper - p.lower);
+      Plan other = plan;
+      effect.Apply(other, place, values);
+      EXPECT_FALSE(Differences(changed.root, other.root).empty()) << p.name;
+    }
+  });
+}
+
+TEST(Effects, TwiceAtOnePlaceKeepTheFirst) {
+  ForEachUse([](const Effect& effect, const Plan& plan, const Place& place) {
+    if (!effect.info().name.ends_with("friction") && place.kind != "input" && place.kind != "output") return;
+    Plan once = plan, twice = plan;
+    effect.Apply(once, place, Starts(effect));
+    effect.Apply(twice, place, Starts(effect));
+    effect.Apply(twice, place, Starts(effect));
+    std::map<std::string, std::string> flat_once, flat_twice;
+    testing::Flatten(once.root, "", flat_once);
+    testing::Flatten(twice.root, "", flat_twice);
+    EXPECT_GT(flat_twice.size(), flat_once.size());
+    if (place.kind == "output") return;  // there the second goes between the first and the noise
+    for (const auto& [path, text] : flat_once) EXPECT_EQ(flat_twice[path], text) << path;
+  });
+}
+
+/// What a law adds over a plan where it is not, or over the law that was there: the torque at a view.
+double TorqueOf(const Value& table, const LawView& seen) {
+  const std::unique_ptr<Law> law = BuildLaw(table);
+  if (law == nullptr) return std::nan("");
+  std::vector<double> states(law->layout().states.size(), 0.0);
+  std::vector<int> modes(static_cast<std::size_t>(law->layout().modes), 0);
+  law->Start(seen.twist, seen.rate, states, modes);
+  std::vector<double> rates(states.size(), 0.0);
+  LawView view = seen;
+  view.states = states;
+  view.modes = modes;
+  law->Derivative(view, rates);
+  double sum = law->Torque(view);
+  for (const double rate : rates) sum += rate;  // a state that moves would show later
+  return sum;
+}
+
+TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
+  // A split joint is rigid in the limit only, a run of lumps is no rotor at any value: tests/plugins/effects_test.cc.
+  const std::set<std::string> no_neutral = {"series_elasticity", "distributed_inertia", "sensor_rectified"};
+  ForEachUse([&](const Effect& effect, const Plan& plan, const Place& place) {
+    if (no_neutral.contains(effect.info().name)) return;
+    Plan neutral = plan;
+    effect.Apply(neutral, place, Neutrals(effect));
+    const Value* load = neutral.root.FindPath("plant.load." + effect.info().name);
+    const Value* shaft = neutral.root.FindPath("plant.shaft." + place.name);
+    const std::string chain = place.kind + "." + place.name + (place.kind == "input" ? ".actuator" : ".sensor");
+    if (load != nullptr) {
+      for (std::uint64_t i = 0; i < 50; ++i) {
+        const LawView view{0.0, RandomNormal(5, 0, i), 100 * RandomNormal(5, 1, i), RandomNormal(5, 2, i), {}, {}};
+        EXPECT_EQ(TorqueOf(*load, view), 0.0);
+      }
+    } else if (effect.info().name == "cubic_stiffness") {
+      for (std::uint64_t i = 0; i < 50; ++i) {
+        const LawView view{0.0, 0.01 * RandomNormal(5, 0, i), RandomNormal(5, 1, i), 0.0, {}, {}};
+        EXPECT_EQ(TorqueOf(*shaft, view), TorqueOf(*plan.root.FindPath("plant.shaft." + place.name), view));
+      }
+    } else if (place.kind == "input" || place.kind == "output") {
+      const Value::Array& stages = neutral.root.FindPath(chain)->array();
+      const std::size_t last = place.kind == "output" && stages.size() > 1 ? stages.size() - 2 : stages.size() - 1;
+      const auto stage = Build(place.kind == "input" ? "actuator" : "sensor", stages[last], {.nominal = 1000.0});
+      ASSERT_NE(stage, nullptr);
+      EXPECT_EQ(stage->delay_s(), 0.0);
+      EXPECT_TRUE(stage->layout().states.empty());
+      for (std::uint64_t i = 0; i < 50; ++i) {
+        const double in = 1e4 * RandomNormal(5, 3, i);
+        EXPECT_EQ(testing::OutputOf(*stage, 0.7, {&in, 1}), in);
+      }
+    } else {
+      EXPECT_THAT(Differences(plan.root, neutral.root), ::testing::IsEmpty());
+    }
+  });
+}
+
+TEST(Effects, MakePlansThatStillBuild) {
+  ForEachUse([](const Effect& effect, const Plan& plan, const Place& place) {
+    Plan changed = plan;
+    EffectUse use{effect.info().name, place.ToString(), Value(), {}};
+    for (const EffectParameter& p : effect.info().parameters) use.parameters[p.name] = Value(p.start);
+    Diagnostics diagnostics;
+    ASSERT_TRUE(ApplyEffect(BuiltIns(), use, changed, diagnostics)) << diagnostics.Format();
+    std::string faults;
+    EXPECT_NE(Build("plant", *changed.root.Find("plant"), {}, &faults), nullptr) << faults;
+    for (const auto& [name, input] : ReadInputs(changed, diagnostics)) {
+      for (const Value& stage : input.actuator) EXPECT_NE(Build("actuator", stage, {}, &faults), nullptr) << faults;
+    }
+    for (const auto& [name, output] : ReadOutputs(changed, diagnostics)) {
+      for (const Value& stage : output.sensor) EXPECT_NE(Build("sensor", stage, {}, &faults), nullptr) << faults;
+    }
+    EXPECT_FALSE(diagnostics.has_errors()) << diagnostics.Format();
+  });
+}
+
+}  // namespace
+}  // namespace dynoproof

@@ -1,0 +1,176 @@
+// Laws: values by hand, stick and slip, limit cases.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/support/build.h"
+
+namespace dynoproof {
+namespace {
+
+using testing::BuildLaw;
+
+/// The torque of a law without states in a mode (ignored by laws that have none).
+double TorqueOf(const Law& law, double twist, double rate, double holding = 0.0, int mode = 0) {
+  return law.Torque({0.0, twist, rate, holding, {}, {&mode, 1}});
+}
+
+double GuardOf(const Law& law, double rate, double holding, int mode) {
+  double guard = 0.0;
+  law.Guards({0.0, 0.0, rate, holding, {}, {&mode, 1}}, {&guard, 1});
+  return guard;
+}
+
+int AfterEvent(const Law& law, double rate, double holding, int mode) {
+  int next = mode;
+  law.OnEvent({0.0, 0.0, rate, holding, {}, {&mode, 1}}, 0, {}, {&next, 1});
+  return next;
+}
+
+const Value kCoulomb = {{"law", "coulomb"}, {"T_c_Nm", 2.0}};
+const Value kAsymmetric = {{"law", "asymmetric"},
+                           {"T_c_pos_Nm", 2.0},
+                           {"T_c_neg_Nm", 3.0},
+                           {"b_pos_Nms_per_rad", 0.5},
+                           {"b_neg_Nms_per_rad", 0.25}};
+const Value kStribeck = {{"law", "stribeck"}, {"T_c_Nm", 2.0}, {"T_s_Nm", 5.0}, {"w_s_rad_per_s", 0.1}};
+
+TEST(Springs, ValuesByHand) {
+  const auto spring = BuildLaw({{"stiffness_Nm_per_rad", 100.0}, {"damping_Nms_per_rad", 2.0}});
+  ASSERT_NE(spring, nullptr);
+  EXPECT_EQ(TorqueOf(*spring, 0.5, -3.0), 44.0);
+  const auto cubic = BuildLaw({{"law", "cubic_spring"}, {"stiffness_Nm_per_rad", 100.0}, {"k3_Nm_per_rad3", -8.0}});
+  ASSERT_NE(cubic, nullptr);
+  EXPECT_EQ(TorqueOf(*cubic, 0.5, 7.0), 49.0);
+  EXPECT_EQ(cubic->linear().stiffness, 100.0);
+}
+
+TEST(Springs, NeedSomethingThatConnects) {
+  std::string faults;
+  EXPECT_EQ(BuildLaw({{"between", "I1"}}, &faults), nullptr);
+  EXPECT_THAT(faults, ::testing::HasSubstr("nothing connects"));
+}
+
+TEST(DryFriction, StartsInTheModeOfTheRate) {
+  const auto law = BuildLaw(kCoulomb);
+  for (const double rate : {-0.5, 0.0, 0.5}) {
+    int mode = 7;
+    law->Start(0.0, rate, {}, {&mode, 1});
+    EXPECT_EQ(mode, rate > 0 ? 1 : rate < 0 ? -1 : 0);
+  }
+}
+
+TEST(DryFriction, StickHoldsUpToTheLimit) {
+  const auto law = BuildLaw(kAsymmetric);
+  EXPECT_EQ(TorqueOf(*law, 0.0, 0.0, 1.5), 1.5);
+  EXPECT_EQ(TorqueOf(*law, 0.0, 0.0, -2.9), -2.9);
+  EXPECT_EQ(TorqueOf(*law, 0.0, 0.0, 2.5), 2.0);
+  EXPECT_EQ(TorqueOf(*law, 0.0, 0.0, -9.0), -3.0);
+  EXPECT_EQ(GuardOf(*law, 0.0, 1.5, 0), 0.5);
+  EXPECT_EQ(GuardOf(*law, 0.0, -2.0, 0), 1.0);
+  EXPECT_LT(GuardOf(*law, 0.0, 2.1, 0), 0.0);
+  EXPECT_EQ(AfterEvent(*law, 0.0, 2.0, 0), 1);
+  EXPECT_EQ(AfterEvent(*law, 0.0, -3.0, 0), -1);
+}
+
+TEST(DryFriction, SlipEndsInStickOrGoesThrough) {
+  const auto law = BuildLaw(kCoulomb);
+  EXPECT_EQ(GuardOf(*law, 0.3, 0.0, 1), 0.3);
+  EXPECT_EQ(GuardOf(*law, -0.3, 0.0, -1), 0.3);
+  EXPECT_LT(GuardOf(*law, -1e-9, 0.0, 1), 0.0);
+  EXPECT_EQ(AfterEvent(*law, 0.0, 1.9, 1), 0);
+  EXPECT_EQ(AfterEvent(*law, 0.0, -1.9, 1), 0);
+  EXPECT_EQ(AfterEvent(*law, 0.0, -2.1, 1), -1);
+  EXPECT_EQ(AfterEvent(*law, 0.0, 2.1, -1), 1);
+}
+
+TEST(DryFriction, StribeckFallsFromStaticToSliding) {
+  const auto law = BuildLaw(kStribeck);
+  const double rates[] = {0.0, 0.1, 10.0}, torques[] = {5.0, 2.0 + 3.0 * std::exp(-1.0), 2.0};
+  for (int i = 0; i < 3; ++i) {
+    for (const int sign : {-1, 1}) {
+      EXPECT_DOUBLE_EQ(TorqueOf(*law, 0.0, sign * rates[i], 0.0, sign), sign * torques[i]);
+      EXPECT_DOUBLE_EQ(law->SlipTorque({0.0, 0.0, sign * rates[i], 0.0, {}, {}}, sign), sign * torques[i]);
+    }
+  }
+  EXPECT_EQ(GuardOf(*law, 0.0, 4.0, 0), 1.0);  // it sticks up to T_s, not T_c
+}
+
+TEST(DryFriction, AsymmetricHasItsOwnNumbersEachWay) {
+  const auto law = BuildLaw(kAsymmetric);
+  EXPECT_EQ(TorqueOf(*law, 0.0, 4.0, 0.0, 1), 4.0);
+  EXPECT_EQ(TorqueOf(*law, 0.0, -4.0, 0.0, -1), -4.0);
+  EXPECT_EQ(law->SlipTorque({0.0, 0.0, 2.0, 0.0, {}, {}}, 1), 3.0);
+  EXPECT_EQ(law->SlipTorque({0.0, 0.0, -2.0, 0.0, {}, {}}, -1), -3.5);
+}
+
+/// A block of inertia I under torque T0 cos(nu t) and Coulomb friction, by small steps with the law's own events.
+TEST(DryFriction, ABlockComesToRestWhereEnergySays) {
+  const auto law = BuildLaw(kCoulomb);
+  // Start at 3 rad/s, I = 0.5: friction 2 N m stops it after w^2 I / (2 T_c) = 1.125 rad.
+  const double inertia = 0.5, dt = 1e-5;
+  double angle = 0.0, speed = 3.0;
+  int mode = 0;
+  law->Start(angle, speed, {}, {&mode, 1});
+  for (int i = 0; i < 200000; ++i) {
+    const double next = speed - dt * TorqueOf(*law, angle, speed, 0.0, mode) / inertia;
+    angle += 0.5 * dt * (speed + next);
+    const bool event = GuardOf(*law, next, 0.0, mode) < 0.0;
+    speed = next;
+    if (event) mode = AfterEvent(*law, speed, 0.0, mode);
+  }
+  EXPECT_EQ(mode, 0);
+  // The motion is exactly quadratic; the event comes up to one step late, when the speed is at most dt T_c/I = 4e-5
+  // rad/s beyond zero and then kept for 1.25 s.
+  EXPECT_NEAR(angle, 1.125, 6e-5);
+}
+
+TEST(Dahl, IsASpringFirstAndCoulombLater) {
+  const double F_c = 2.0, sigma = 100.0, step = 1e-6;
+  const auto law = BuildLaw({{"law", "dahl"}, {"F_c_Nm", F_c}, {"sigma_Nm_per_rad", sigma}});
+  ASSERT_NE(law, nullptr);
+  double F = 0.0;
+  for (int i = 1; i <= 200000; ++i) {  // 0.2 rad at 1 rad/s, by the midpoint rule
+    double rate = 0.0, half = F;
+    law->Derivative({0.0, 0.0, 1.0, 0.0, {&F, 1}, {}}, {&rate, 1});
+    half += 0.5 * step * rate;
+    law->Derivative({0.0, 0.0, 1.0, 0.0, {&half, 1}, {}}, {&rate, 1});
+    F += step * rate;
+    // Exact for motion one way: F = F_c (1 - exp(-sigma phi / F_c)). The midpoint rule errs by (sigma step / F_c)^2 / 6
+    // = 4e-10 of F_c.
+    if (i % 20000 == 0) {
+      ASSERT_NEAR(F, F_c * (1.0 - std::exp(-sigma * i * step / F_c)), 1e-9 * F_c);
+    }
+  }
+  EXPECT_NEAR(F, F_c, 1e-4 * F_c);  // exp(-10) = 4.5e-5
+  EXPECT_EQ(law->Torque({0.0, 0.0, 1.0, 0.0, {&F, 1}, {}}), F);
+}
+
+TEST(Dahl, WithoutFrictionTorqueStaysAtZero) {
+  const auto law = BuildLaw({{"law", "dahl"}, {"F_c_Nm", 0.0}, {"sigma_Nm_per_rad", 100.0}});
+  double F = 0.0, rate = 1.0;
+  law->Derivative({0.0, 0.0, 5.0, 0.0, {&F, 1}, {}}, {&rate, 1});
+  EXPECT_EQ(rate, 0.0);
+}
+
+TEST(Loads, ValuesByHand) {
+  EXPECT_EQ(TorqueOf(*BuildLaw({{"law", "viscous"}, {"b_Nms_per_rad", 0.5}}), 0.0, -4.0), -2.0);
+  EXPECT_EQ(TorqueOf(*BuildLaw({{"law", "quadratic_drag"}, {"b2_Nms2_per_rad2", 0.5}}), 0.0, -4.0), -8.0);
+  EXPECT_EQ(TorqueOf(*BuildLaw({{"law", "constant"}, {"T_0_Nm", 7.0}}), 3.0, -4.0), 7.0);
+  // A sin(n phi + theta) is added on the node: the transmitted torque is its negative.
+  EXPECT_DOUBLE_EQ(TorqueOf(*BuildLaw({{"law", "ripple"}, {"A_Nm", 3.0}, {"n", 4.0}, {"theta_rad", 0.5}}), 0.1, 9.0),
+                   -3.0 * std::sin(0.9));
+}
+
+TEST(Loads, ReportWhatIsOutOfRange) {
+  std::string faults;
+  EXPECT_EQ(BuildLaw({{"law", "coulomb"}, {"T_c_Nm", -1.0}}, &faults), nullptr);
+  EXPECT_THAT(faults, ::testing::HasSubstr("\"T_c_Nm\""));
+  EXPECT_EQ(BuildLaw({{"law", "coulumb"}, {"T_c_Nm", 1.0}}, &faults), nullptr);
+  EXPECT_THAT(faults, ::testing::HasSubstr("did you mean \"coulomb\"?"));
+}
+
+}  // namespace
+}  // namespace dynoproof

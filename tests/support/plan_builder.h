@@ -1,0 +1,65 @@
+// Plans for tests, written as nested initialiser lists instead of TOML.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "model/plan.h"
+
+namespace dynoproof::testing {
+
+inline Plan PlanOf(Value root, std::string id = "test") { return {std::move(id), "test.toml", std::move(root)}; }
+
+/// A linear shaft between two bodies.
+inline Value Shaft(const char* from, const char* to, double stiffness, double damping) {
+  return {{"between", Value::Array{from, to}}, {"stiffness_Nm_per_rad", stiffness}, {"damping_Nms_per_rad", damping}};
+}
+
+/// The heavy-duty line as a straight chain of five inertias (thesis Table A.1, setup 1), its first three being a run,
+/// with one load, one input and two outputs.
+inline Plan LumpedPlan() {
+  return PlanOf(Value{
+      {"run", Value{{"duration_s", 1.0}}},
+      {"plant", Value{{"type", "drive_line"},
+                      {"inertia", Value{{"I1", 25.082}, {"I2", 6.352}, {"I3", 1.572}, {"I4", 0.159}, {"I5", 0.140}}},
+                      {"shaft", Value{{"k1", Shaft("I1", "I2", 60.99e6, 850.4)},
+                                      {"k2", Shaft("I2", "I3", 17.99e6, 800.0)},
+                                      {"k3", Shaft("I3", "I4", 3.36e6, 0.0)},
+                                      {"k4", Shaft("I4", "I5", 6.28e6, 0.0)}}},
+                      {"load", Value{{"fan", Value{{"on", "I1"}, {"law", "viscous"}, {"b_Nms_per_rad", 0.5}}}}},
+                      {"torque", Value{{"T_airgap", Value{{"on", "I1"}}}}},
+                      {"run", Value{{"R", Value{{"inertias", Value::Array{"I1", "I2", "I3"}}}}}}}},
+      {"input", Value{{"T_airgap", Value{{"to", "plant.T_airgap"},
+                                         {"unit", "N m"},
+                                         {"nominal", 1000.0},
+                                         {"source", Value{{"type", "constant"}, {"value", 1.0}}},
+                                         {"actuator", Value::Array{Value{{"type", "gain"}, {"gain", 1.0}}}}}}}},
+      {"output", Value{{"T_shaft", Value{{"of", "plant.k4.torque"},
+                                         {"sensor", Value::Array{Value{{"type", "gain"}, {"gain", 1.0}},
+                                                                 Value{{"type", "noise"}, {"std", 0.1}}}}}},
+                       {"omega_1", Value{{"of", "plant.I1.speed"}}}}}});
+}
+
+/// The same test bed with its soft rotor (Table A.5, setup 1).
+inline Plan SoftPlan() {
+  return PlanOf(Value{
+      {"run", Value{{"duration_s", 1.0}}},
+      {"plant", Value{{"type", "drive_line"},
+                      {"rotor", Value{{"I1", Value{{"inertia_kg_m2", 25.308},
+                                                   {"stiffness_Nm_per_rad", 16.5e6},
+                                                   {"damping_Nms_per_rad", 85.6},
+                                                   {"slices", 100}}}}},
+                      {"inertia", Value{{"I4", 0.235}, {"I5", 0.159}}},
+                      {"shaft", Value{{"k3", Shaft("I1", "I4", 5.1e6, 18.2)}, {"k4", Shaft("I4", "I5", 7.99e6, 23.0)}}},
+                      {"torque", Value{{"T_airgap", Value{{"on", "I1"}, {"slices", Value::Array{6, 95}}}}}}}},
+      {"input",
+       Value{{"T_airgap", Value{{"to", "plant.T_airgap"}, {"source", Value{{"type", "constant"}, {"value", 1.0}}}}}}},
+      {"output", Value{{"T_shaft", Value{{"of", "plant.k4.torque"}}}}}});
+}
+
+/// A plan without any mechanics.
+inline Plan PressurePlan() {
+  return PlanOf(Value{{"plant", Value{{"type", "charge_air"}, {"inertia", Value{{"I1", 1.0}}}}}});
+}
+
+}  // namespace dynoproof::testing
