@@ -56,6 +56,7 @@ void AddDescribe(CLI::App& program, int& exit);
 void AddValidate(CLI::App& program, int& exit);
 void AddNew(CLI::App& program, int& exit);
 void AddCompare(CLI::App& program, int& exit);
+void AddReproduce(CLI::App& program, int& exit);
 void AddBless(CLI::App& program, int& exit);
 
 }  // namespace dynoproof::app

@@ -79,83 +79,78 @@ target_link_libraries(@NAME@ PRIVATE dynoproof::model)
 set_target_properties(@NAME@ PROPERTIES PREFIX "")
 )cmake";
 
+// The delimiter is not "cpp": clang-format would format the text and tear the placeholders apart.
 const char* const kLawTemplate =
-    R"cpp(// Law @NAME@: a shaft whose torque saturates, T = T_max tanh(k d / T_max) + c w.
+    R"template(// Law @NAME@: a shaft whose torque saturates, T = T_max tanh(k d / T_max) + c w.
 #include <cmath>
 #include <model/plugin_loader.h>
 
-          namespace {
+namespace {
 
-          class @CLASS @ : public dynoproof::Law {
-           public:
-            struct Params {
-              double stiffness_Nm_per_rad = 0.0, damping_Nms_per_rad = 0.0, limit_Nm = 0.0;
-              void Visit(auto& v) {
-                v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, dynoproof::Positive(), "stiffness k at rest");
-                v.Optional("damping_Nms_per_rad", damping_Nms_per_rad, dynoproof::NonNegative(), "damping c");
-                v.Required("limit_Nm", limit_Nm, dynoproof::Positive(), "torque T_max that the spring never exceeds");
-              }
-            };
+class @CLASS@ : public dynoproof::Law {
+ public:
+  struct Params {
+    double stiffness_Nm_per_rad = 0.0, damping_Nms_per_rad = 0.0, limit_Nm = 0.0;
+    void Visit(auto& v) {
+      v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, dynoproof::Positive(), "stiffness k at rest");
+      v.Optional("damping_Nms_per_rad", damping_Nms_per_rad, dynoproof::NonNegative(), "damping c");
+      v.Required("limit_Nm", limit_Nm, dynoproof::Positive(), "torque T_max that the spring never exceeds");
+    }
+  };
 
-            static dynoproof::PluginInfo Info() {
-              return {"law",         "@NAME@", "a shaft whose torque saturates", "T = T_max tanh(k d / T_max) + c w",
-                      "your source", {}};
-            }
-            explicit @CLASS @(const Params& params) : p_(params) {}
+  static dynoproof::PluginInfo Info() {
+    return {"law", "@NAME@", "a shaft whose torque saturates", "T = T_max tanh(k d / T_max) + c w", "your source", {}};
+  }
+  explicit @CLASS@(const Params& params) : p_(params) {}
 
-            // What modes and zeros see: the law linearised about rest. linear() stays zero: `realtime` takes the torque
-            // as it is.
-            dynoproof::SpringDamper linearised() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
-            double Torque(const dynoproof::LawView& view) const override {
-              return p_.limit_Nm * std::tanh(p_.stiffness_Nm_per_rad * view.twist / p_.limit_Nm) +
-                     p_.damping_Nms_per_rad * view.rate;
-            }
+  // What modes and zeros see: the law linearised about rest. linear() stays zero: `realtime` takes the torque as it is.
+  dynoproof::SpringDamper linearised() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
+  double Torque(const dynoproof::LawView& view) const override {
+    return p_.limit_Nm * std::tanh(p_.stiffness_Nm_per_rad * view.twist / p_.limit_Nm) +
+           p_.damping_Nms_per_rad * view.rate;
+  }
 
-           private:
-            Params p_;
-          };
+ private:
+  Params p_;
+};
 
-          }  // namespace
+}  // namespace
 
-          DYNOPROOF_PLUGIN(registry) { registry.Add<@CLASS @>(); }
-)cpp";
+DYNOPROOF_PLUGIN(registry) { registry.Add<@CLASS@>(); }
+)template";
 
 const char* const kEffectTemplate =
-    R"cpp(// Effect @NAME@: an inertia is off by a mass that nobody told the model of, new = nominal + I_extra.
-#include <limits>
+    R"template(// Effect @NAME@: an inertia is off by a mass that nobody told the model of, new = nominal + I_extra.
 #include <memory>
 #include <model/plugin_loader.h>
 
-          namespace {
+namespace {
 
-          class @CLASS @ : public dynoproof::Effect {
-           public:
-            @CLASS @() {
-              info_ = {"@NAME@",
-                       "I = I_nominal + I_extra",
-                       "inertia that the model does not know of",
-                       {{"I_extra", "kg m^2", "inertia that is added", 0.0, 100.0, 0.0, 0.01}}};
-            }
+class @CLASS@ : public dynoproof::Effect {
+ public:
+  @CLASS@() {
+    info_ = {"@NAME@", "I = I_nominal + I_extra", "inertia that the model does not know of",
+             {{"I_extra", "kg m^2", "inertia that is added", 0.0, 100.0, 0.0, 0.01}}};
+  }
 
-            std::vector<dynoproof::Place> Places(const dynoproof::Plan& plan) const override {
-              std::vector<dynoproof::Place> places;
-              const dynoproof::Value* inertias = plan.root.FindPath("plant.inertia");
-              for (const std::string& name : inertias != nullptr ? dynoproof::KeysOf(*inertias) : std::vector<std::string>{}) {
-                places.push_back({"inertia", name, ""});
-              }
-              return places;
-            }
+  std::vector<dynoproof::Place> Places(const dynoproof::Plan& plan) const override {
+    std::vector<dynoproof::Place> places;
+    const dynoproof::Value* inertias = plan.root.FindPath("plant.inertia");
+    for (const std::string& name : inertias != nullptr ? dynoproof::KeysOf(*inertias) : std::vector<std::string>{}) {
+      if (inertias->Find(name)->is_number()) places.push_back({"inertia", name, ""});
+    }
+    return places;
+  }
 
-            void Apply(dynoproof::Plan & plan, const dynoproof::Place& place, const std::vector<double>& parameters)
-                const override {
-              dynoproof::Value& inertia = *plan.root.FindPath("plant.inertia." + place.name);
-              inertia = dynoproof::Value(inertia.number() + parameters[0]);
-            }
-          };
+  void Apply(dynoproof::Plan& plan, const dynoproof::Place& place, const std::vector<double>& parameters) const override {
+    dynoproof::Value& inertia = *plan.root.FindPath("plant.inertia." + place.name);
+    inertia = dynoproof::Value(inertia.number() + parameters[0]);
+  }
+};
 
-          }  // namespace
+}  // namespace
 
-          DYNOPROOF_PLUGIN(registry) { registry.Add(std::make_unique<@CLASS @>()); }
-)cpp";
+DYNOPROOF_PLUGIN(registry) { registry.Add(std::make_unique<@CLASS@>()); }
+)template";
 
 }  // namespace dynoproof::app

@@ -93,9 +93,11 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
 
 std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
   std::optional<Plan> plan = LoadPlan(file, options.overrides, diagnostics);
   if (!plan) return nullptr;
-  return Prepare(std::move(*plan), options, registry, diagnostics);
+  std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
+  return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 
 }  // namespace dynoproof

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "base/text.h"
 #include "base/units.h"
@@ -40,6 +42,14 @@ struct TimeMap {
   }
 };
 
+/// 2 pi where a column counts turns and the signal is in rad/s, else 1. "1/min" and "Hz" count turns; 1/s is the SI's
+/// other name for rad/s.
+double RadiansPerTurn(const std::string& written, const Unit& from, const Unit& to) {
+  const std::array<int, 6> rate = {0, 0, -1, 0, 0, 0}, angular = {0, 0, -1, 0, 0, 1};
+  const bool turns = from.exponents == rate && (from.factor != 1.0 || written.find("Hz") != std::string::npos);
+  return turns && to.exponents == angular ? 2.0 * std::numbers::pi : 1.0;
+}
+
 class Mapper {
  public:
   Mapper(const trace::Record& record, Diagnostics& diagnostics) : record_(record), diagnostics_(diagnostics) {}
@@ -59,6 +69,11 @@ class Mapper {
     ReadTime(map);
     Take(map, "input", inputs, result_.inputs, map_file.empty());
     Take(map, "output", outputs, result_.outputs, map_file.empty());
+    for (const SignalName& input : inputs) {
+      if (result_.inputs.contains(input.name)) continue;
+      result_.notes.push_back(
+          fmt::format("the record does not drive the input \"{}\": it keeps the scenario's own source", input.name));
+    }
     if (diagnostics_.error_count() == before && result_.inputs.empty() && result_.outputs.empty()) {
       std::vector<std::string> wanted;
       for (const auto* list : {&inputs, &outputs}) {
@@ -82,6 +97,12 @@ class Mapper {
       diagnostics_.Error(entry.where, fmt::format("unknown key \"{}\" in a map file", entry.key),
                          near ? fmt::format("did you mean \"{}\"?", *near) : "known: time, rows, input, output");
     }
+    for (const char* section : {"input", "output"}) {
+      const Value* tables = map.Find(section);
+      if (tables == nullptr || tables->is_table()) continue;
+      diagnostics_.Error(tables->where(), fmt::format("\"{}\" is {}", section, tables->KindName()),
+                         fmt::format("write [{}.NAME]", section));
+    }
     if (const Value* rows = map.Find("rows")) {
       const bool good = rows->is_array() && rows->array().size() == 2 && rows->array()[0].is_integer() &&
                         rows->array()[1].is_integer() && rows->array()[0].integer() >= 0 &&
@@ -89,6 +110,7 @@ class Mapper {
       if (good) {
         first_ = static_cast<std::size_t>(rows->array()[0].integer());
         last_ = static_cast<std::size_t>(rows->array()[1].integer());
+        rows_where_ = rows->where();
       } else {
         diagnostics_.Error(rows->where(), "\"rows\" is no range", "write rows = [first, end) with 0 <= first < end");
       }
@@ -218,8 +240,18 @@ class Mapper {
             from ? "these are different quantities: is it the right column?" : "unknown unit");
         return;
       }
-      factor = map.sign * from->factor / to->factor;
+      const double turn = RadiansPerTurn(written, *from, *to);
+      if (turn != 1.0)
+        result_.notes.push_back(
+            fmt::format("column \"{}\" in \"{}\" is taken as turns: {} = 2 pi times it", column.name, written, name));
+      factor = map.sign * turn * from->factor / to->factor;
       offset = map.sign * (from->offset - to->offset) / to->factor;
+    }
+    if (first_ >= column.values.size()) {
+      diagnostics_.Error(rows_where_,
+                         fmt::format("rows begin at {}, {} has {} rows", first_, record_.source, column.values.size()),
+                         "rows are counted from 0");
+      return;
     }
     const std::shared_ptr<const std::vector<double>> time = TimeOf(column);
     if (time == nullptr) return;
@@ -254,6 +286,7 @@ class Mapper {
   double time_factor_ = 1.0;
   bool time_fault_ = false;
   std::size_t first_ = 0, last_ = static_cast<std::size_t>(-1);
+  SourceSpan rows_where_;
   std::map<std::size_t, std::shared_ptr<const std::vector<double>>> times_;
 };
 

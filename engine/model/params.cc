@@ -27,7 +27,7 @@ ParamReader::ParamReader(const Value& table, Diagnostics& diagnostics, std::stri
 const Value* ParamReader::Take(const char* key, const std::string& rule, bool required, const char* description) {
   asked_.emplace_back(key);
   const Value* value = table_.Find(key);
-  if (value == nullptr && required) {
+  if (value == nullptr && required && table_.is_table()) {  // of no table Finish() says so, once
     ok_ = false;
     diagnostics_.Error(table_.where(), fmt::format("{} needs the key \"{}\" ({})", context_, key, description),
                        fmt::format("add {} = ... [{}]", key, rule), "");
@@ -45,6 +45,11 @@ std::string ParamReader::RuleText(const char*, const Choices& choices) {
 }
 
 void ParamReader::Finish() {
+  if (!table_.is_table()) {
+    ok_ = false;
+    diagnostics_.Error(table_.where(), fmt::format("{} is {}", context_, table_.KindName()), "write a table");
+    return;
+  }
   for (const Value::Entry& entry : table_.table()) {
     if (std::find(asked_.begin(), asked_.end(), entry.key) != asked_.end()) continue;
     ok_ = false;

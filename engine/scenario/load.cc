@@ -148,7 +148,8 @@ void Override(Value& root, const std::string& text, int number, Diagnostics& dia
   Value value = ParseTomlValue(text.substr(equals + 1));
   constexpr int kBegin = 5;  // column at which TEXT stands in "v = TEXT"
   MoveInto(value, number, static_cast<int>(equals) + 2 - kBegin);
-  value.set_where({"--set", number, static_cast<int>(equals) + 2, std::max(1, static_cast<int>(text.size() - equals) - 1)});
+  value.set_where(
+      {"--set", number, static_cast<int>(equals) + 2, std::max(1, static_cast<int>(text.size() - equals) - 1)});
   if (Value* old = root.FindPath(path)) {
     if (old->is_number() && !value.is_number()) {
       diagnostics.Error(value.where(), fmt::format("\"{}\" is a number", path), "write a number");
@@ -165,8 +166,10 @@ void Override(Value& root, const std::string& text, int number, Diagnostics& dia
   const std::string missing = path.substr(known.empty() ? 0 : known.size() + 1);
   const std::size_t dot = missing.find('.');
   const std::vector<std::string> keys = KeysOf(*parent);
-  // A new section is made when nothing is named nearly like it: whoever reads the scenario knows whether it may be there.
-  const std::optional<std::string> near = dot == std::string::npos ? std::nullopt : Closest(missing.substr(0, dot), keys);
+  // A new section is made when nothing is named nearly like it: whoever reads the scenario knows whether it may be
+  // there.
+  const std::optional<std::string> near =
+      dot == std::string::npos ? std::nullopt : Closest(missing.substr(0, dot), keys);
   if (parent->is_table() && !near) {
     Value* into = parent;
     std::string rest = missing;
@@ -184,8 +187,9 @@ void Override(Value& root, const std::string& text, int number, Diagnostics& dia
   }
   const std::string full = known.empty() ? "" : known + ".";
   diagnostics.Error(where, fmt::format("the scenario has no \"{}\"", path),
-                    near                  ? fmt::format("did you mean \"{}{}\"?", full, *near)
-                    : parent->is_array() ? fmt::format("\"{}\" has the items 0 ... {}", known, static_cast<int>(parent->array().size()) - 1)
+                    near                 ? fmt::format("did you mean \"{}{}\"?", full, *near)
+                    : parent->is_array() ? fmt::format("\"{}\" has the items 0 ... {}", known,
+                                                       static_cast<int>(parent->array().size()) - 1)
                                          : fmt::format("\"{}\" is {}", known, parent->KindName()));
 }
 

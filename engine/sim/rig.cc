@@ -226,8 +226,8 @@ class RigBuilder {
     if (!ours) {
       diagnostics_.Error(where, fmt::format("the unit \"{}\" of {} is unknown", written, what),
                          fmt::format("the port has \"{}\"", port_unit));
-    } else if (ports &&
-               !(SameQuantity(*ours, *ports) && ours->factor == ports->factor && ours->offset == ports->offset)) {
+    } else if (ports && !(ours->exponents == ports->exponents && ours->factor == ports->factor &&
+                          ours->offset == ports->offset)) {
       diagnostics_.Error(where, fmt::format("{} is in \"{}\", its port in \"{}\"", what, written, port_unit),
                          "nothing is converted here: write the port's unit, or leave \"unit\" out");
     }

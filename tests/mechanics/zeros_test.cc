@@ -101,6 +101,18 @@ TEST(Zeros, DampedCounterOscillator) {
   EXPECT_NEAR(zeros.zeros[1].s.real(), -300.0, 1e-12);
 }
 
+TEST(Zeros, BranchBesideThePathBlocksWhereItResonatesClamped) {
+  // Input on the left, torque read on the right, a branch of one mass hanging on the middle node: 2 s^2 + 4 s + 800.
+  Network network;
+  network.nodes = {{"left", 1.0}, {"middle", 3.0}, {"right", 0.5}, {"branch", 2.0}};
+  network.edges = {{"k1", 0, 1, 700.0, 0.0}, {"k2", 1, 2, 900.0, 0.0}, {"kb", 1, 3, 800.0, 4.0}};
+  const ZeroAnalysis zeros = Solve(network, VectorXd::Unit(4, 0), {OutputKind::kEdgeTorque, 1});
+  ASSERT_EQ(zeros.zeros.size(), 1u);
+  EXPECT_NEAR(std::abs(zeros.zeros[0].s), 20.0, 1e-12);  // closed form at round-off
+  EXPECT_NEAR(zeros.zeros[0].damping_ratio, 0.05, 1e-14);
+  EXPECT_EQ(zeros.relative_degree, 4);  // 8 - 2 poles besides the rigid motion, two zeros
+}
+
 TEST(Zeros, MeshedStructureOfTableA4) {
   const Network network = Alternative();
   VectorXd input(5);
@@ -139,6 +151,25 @@ TEST_P(RandomZeros, TransferVanishesThereAndOrdersAddUp) {
       // A simple zero known to 1e-9 leaves 1e-6 of the value 1e-3 beside it.
       EXPECT_LT(std::abs(transfer.At(zero.s)), 1e-6 * around) << "seed " << seed << " s " << zero.s;
     }
+    // None is missing: plain projection, which follows no shafts, knows no others. A speed has the zeros of its angle.
+    std::vector<Complex> roots;
+    const OutputKind kind = output.kind == OutputKind::kSpeed ? OutputKind::kAngle : output.kind;
+    ASSERT_FALSE(ProjectedRoots(network, input, {kind, output.index}, roots).has_value());
+    const std::vector<Complex> poles = Modes(network)->DampedEigenvalues();
+    int slow = 0;
+    for (const Complex& s : roots) {
+      // Fast damped zeros crowd at the -k/c of the shafts, where plain projection is ill-conditioned.
+      if (s.imag() < 1.0 || -s.real() > 0.3 * std::abs(s)) continue;
+      ++slow;
+      double nearest = INFINITY;
+      for (const Zero& zero : zeros.zeros) nearest = std::min(nearest, std::abs(zero.s - s) / std::abs(s));
+      // The projection knows the cancelled ones as well: they are poles.
+      for (const Complex& pole : poles) nearest = std::min(nearest, std::abs(pole - s) / std::abs(s));
+      EXPECT_LT(nearest, 1e-7) << "seed " << seed << " s " << s;  // polished both; double zeros to the root of 1e-16
+    }
+    int listed = 0;
+    for (const Zero& zero : zeros.zeros) listed += zero.s.imag() >= 1.0 && zero.damping_ratio <= 0.3;
+    EXPECT_EQ(listed + zeros.cancelled / 2, slow) << "seed " << seed;
     // G falls by 10^degree a decade far above all poles and zeros.
     const Complex s(0.0, 1e9);
     const double slope = std::log10(std::abs(transfer.BySparseLu(s)) / std::abs(transfer.BySparseLu(10.0 * s)));

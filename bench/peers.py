@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Puts the propagator and its peers side by side in one run, on r2r/soft_rotor_setup_1: a 10 s chirp held at 10 kHz.
+
+usage: bench/peers.py [BUILD_FOLDER]      SciPy and Octave take part where they are installed.
+"""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+root = pathlib.Path(__file__).resolve().parent.parent
+build = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else root / "build")
+rows = []
+for program in ("propagator_bench", "solver_bench"):
+    path = build / "bench" / program
+    if not path.exists():
+        sys.exit(f"{path} is missing: build first (ci/test.sh)")
+    out = subprocess.run([path, "--benchmark_format=json", "--benchmark_min_time=0.3"], capture_output=True, text=True, check=True)
+    for one in json.loads(out.stdout)["benchmarks"]:
+        if "per_step" in one:
+            rows.append((one["name"] + (" " + one["label"] if one.get("label") else ""), 1e9 * one["per_step"], one["error"]))
+pythons = [p for p in (sys.executable, "/usr/bin/python3") if subprocess.run([p, "-c", "import scipy"], capture_output=True).returncode == 0]
+for command, script in ((pythons[0] if pythons else "python3 with SciPy", "lsim.py"), ("octave-cli", "lsim.m")):
+    if shutil.which(command) is None:
+        print(f"{script}: {command} is not installed, left out", file=sys.stderr)
+        continue
+    out = subprocess.run([command, root / "bench" / "peers" / script], capture_output=True, text=True)
+    if out.returncode != 0:
+        print(f"{script}: left out: {out.stderr.strip().splitlines()[-1] if out.stderr.strip() else 'failed'}", file=sys.stderr)
+        continue
+    one = json.loads(out.stdout.strip().splitlines()[-1])
+    rows.append((one["name"], one["per_step_ns"], one["error"]))
+best = min(time for name, time, _ in rows if name.startswith("Modal/pairs:71"))
+print(f"{'method':<52} {'ns a step':>12} {'error':>10} {'times the best with all modes':>30}")
+for name, time, error in sorted(rows, key=lambda row: row[1]):
+    print(f"{name:<52} {time:>12.1f} {error:>10.1e} {time / best:>30.1f}")

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# The long campaigns: the whole suite under the sanitizers, with clang++, at -O2 and -O3, with and without FMA; clang-tidy
+# over everything; the benchmarks beside their peers. Results go to out/nightly/. Needs clang, valgrind; SciPy and Octave
+# take part where they are installed.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+mkdir -p out/nightly
+failed=0
+step() {  # step NAME COMMAND...
+  local name=$1
+  shift
+  echo "== $name"
+  "$@" >"out/nightly/$name.log" 2>&1 || { echo "   failed, see out/nightly/$name.log"; failed=1; }
+}
+suite() {  # suite FOLDER CMAKE_OPTIONS
+  CMAKE_OPTIONS=$2 ./ci/build.sh "$1" all && ctest --test-dir "$1" --output-on-failure --no-tests=error -j "$(nproc)"
+}
+step setup ./ci/setup.sh
+step gcc-O2 suite build ""
+step sanitize suite build-sanitize "-DDYNOPROOF_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1"
+step gcc-O3 suite build-O3 "-DCMAKE_CXX_FLAGS_RELEASE=-O3"
+step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=-O2"
+command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
+step tidy ./ci/presubmit.sh --all
+step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml
+step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json
+step peers ./bench/peers.py build
+exit $failed

@@ -1,0 +1,107 @@
+// dynoproof reproduce
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "experiment/golden.h"
+#include "experiment/ledger.h"
+#include "reports/run_report.h"
+
+namespace dynoproof::app {
+namespace {
+
+std::string Row(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  const std::string unit = claim.unit == "1" ? "" : claim.unit;
+  std::string ours = "-", deviation = "-", published = "-";
+  if (claim.expect != "not_checkable") published = fmt::format("{:.6g}", claim.published);
+  if (result.ours) {
+    ours = fmt::format("{:.6g}", result.ours->value);
+    deviation = fmt::format("{:+.3g}", result.ours->value - claim.published);
+  }
+  std::string row = fmt::format("{:<30} {:>11} {:>11} {:>10} {:<9} {:<14} {}\n", claim.id, published, ours, deviation,
+                                unit, ToString(result.standing), claim.place);
+  if (!result.fault.empty()) row += "  fault: " + result.fault + "\n";
+  if (!result.as_expected && result.fault.empty()) row += fmt::format("  the ledger expects: {}\n", claim.expect);
+  return row;
+}
+
+nlohmann::json ToJson(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  return {{"id", claim.id},
+          {"place", claim.place},
+          {"claim", claim.claim},
+          {"published", claim.expect == "not_checkable" ? nlohmann::json() : reports::Number(claim.published)},
+          {"ours", result.ours ? reports::Number(result.ours->value) : nlohmann::json()},
+          {"deviation", result.ours ? reports::Number(result.ours->value - claim.published) : nlohmann::json()},
+          {"tolerance", claim.tolerance},
+          {"origin", claim.origin},
+          {"unit", claim.unit},
+          {"verdict", ToString(result.standing)},
+          {"as_expected", result.as_expected},
+          {"explanation", result.fault.empty() ? claim.explanation : result.fault}};
+}
+
+int Run(const Common& common, const std::string& which) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::string file = (std::filesystem::path(GoldenFolder()) / "published.toml").string();
+  const std::vector<Claim> claims = ReadLedger(file, diagnostics);
+  std::vector<const Claim*> chosen;
+  std::vector<std::string> ids;
+  for (const Claim& claim : claims) {
+    ids.push_back(claim.id);
+    if (which == "all" || claim.id == which) chosen.push_back(&claim);
+  }
+  if (chosen.empty() && !diagnostics.has_errors()) {
+    const std::optional<std::string> near = Closest(which, ids);
+    diagnostics.Error({which}, "is no claim of the ledger",
+                      near ? fmt::format("did you mean \"{}\"?", *near) : "see: dynoproof reproduce all");
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
+
+  std::string text = fmt::format("{:<30} {:>11} {:>11} {:>10} {:<9} {:<14} {}\n", "claim", "published", "ours",
+                                 "deviation", "unit", "verdict", "place");
+  text += std::string(120, '-') + "\n";
+  nlohmann::json document = {{"claims", nlohmann::json::array()}};
+  int exit = kGood, counts[3] = {};
+  for (const Claim* claim : chosen) {
+    ShowProgress(claim->id, static_cast<double>(document["claims"].size()) / static_cast<double>(chosen.size()));
+    const ClaimResult result = Reproduce(*registry, *claim);
+    ++counts[static_cast<int>(result.standing)];
+    if (!result.as_expected) exit = kShort;
+    text += Row(result);
+    const bool tell = chosen.size() == 1 || result.standing == Standing::kContradicted;
+    if (tell) text += fmt::format("  {}\n", claim->claim);
+    if (tell && !claim->explanation.empty()) text += fmt::format("  {}\n", claim->explanation);
+    document["claims"].push_back(ToJson(result));
+  }
+  ClearProgress();
+  text += fmt::format("\n{} reproduced, {} contradicted with explanation, {} not checkable\n", counts[0], counts[1],
+                      counts[2]);
+  Print(common, text);
+  document["exit"] = exit;
+  return reports::WorseExit(exit, WriteJson(common, document));
+}
+
+}  // namespace
+
+void AddReproduce(CLI::App& program, int& exit) {
+  struct Arguments {
+    Common common;
+    std::string which = "all";
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      program.add_subcommand("reproduce", "the claims of the thesis: published, ours, deviation, verdict");
+  command->add_option("claim", arguments->which, "a claim's id, or all");
+  AddCommon(*command, arguments->common);
+  AddExamples(*command, "  dynoproof reproduce all\n  dynoproof reproduce B.1-numeric --json -");
+  command->callback([arguments, &exit] { exit = Run(arguments->common, arguments->which); });
+}
+
+}  // namespace dynoproof::app

@@ -1,0 +1,112 @@
+// Plugins of somebody else: the templates of `dynoproof new` built against the installed headers, loaded, run; and
+// libraries that must not be loaded.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/program.h"
+
+namespace dynoproof::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// Installs the build once for all tests of this program, and builds both templates against it.
+class Plugins : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    bench_ = new Bench;
+    Shell("cmake --install '" DYNOPROOF_BUILD "' --prefix '" + (*bench_ / "prefix").string() + "'");
+    for (const auto& [kind, name] : {std::pair("law", "soft_stop"), std::pair("effect", "extra_mass")}) {
+      const Outcome made = bench_->Call({"new", kind, name});
+      ASSERT_EQ(made.exit, 0) << made.Both();
+      Shell(std::string("cmake -S ") + name + " -B " + name +
+            "/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS='" DYNOPROOF_PLUGIN_FLAGS "' -DCMAKE_PREFIX_PATH='" +
+            (*bench_ / "prefix").string() + "' && cmake --build " + name + "/build");
+    }
+    std::string text = Bench::kLine;
+    text.erase(text.find("[[check]]\nkind = \"oracle\""));
+    const std::string spring = "stiffness_Nm_per_rad = 2.5e5\n";
+    text.replace(text.find(spring), spring.size(), spring + "law = \"soft_stop\"\nlimit_Nm = 20.0\n");
+    text.replace(text.find("nrmse = 1e-6"), 12, "nrmse = 1e-2");
+    bench_->Write("stop.toml", text);
+    bench_->Write("mass.toml",
+                  std::string(Bench::kLine) +
+                      "\n[[effect]]\nname = \"extra_mass\"\nat = \"inertia:I3\"\nparameters = { I_extra = 0.1 }\n");
+  }
+  static void TearDownTestSuite() { delete bench_; }
+
+  static void Shell(const std::string& command) {
+    const Outcome outcome = bench_->Call({"-c", command}, {.program = "sh"});
+    ASSERT_EQ(outcome.exit, 0) << command << outcome.Both();
+  }
+
+  static constexpr const char* kLaw = "soft_stop/build/soft_stop.so";
+  static constexpr const char* kEffect = "extra_mass/build/extra_mass.so";
+  static Bench* bench_;
+};
+Bench* Plugins::bench_ = nullptr;
+
+TEST_F(Plugins, LawOfTheTemplateRuns) {
+  EXPECT_EQ(bench_->Call({"validate", "stop.toml"}).exit, 2) << "unknown without its library";
+  const Outcome described = bench_->Call({"describe", "soft_stop", "--plugin", kLaw});
+  EXPECT_EQ(described.exit, 0) << described.Both();
+  EXPECT_THAT(described.out, HasSubstr("limit_Nm"));
+  const nlohmann::json result = bench_->Json({"run", "stop.toml", "--plugin", kLaw});
+  EXPECT_EQ(result["exit"], 0) << result.dump(2);
+  const nlohmann::json negative =
+      bench_->Json({"run", "stop.toml", "--plugin", kLaw, "--set", "plant.shaft.k2.limit_Nm=1e9"});
+  EXPECT_EQ(negative["exit"], 0);
+  EXPECT_NE(ReadBytes(*bench_ / "out/stop.h5"), "");
+  const Outcome wrong = bench_->Call({"run", "stop.toml", "--plugin", kLaw, "--set", "plant.shaft.k2.limit_Nm=-1"});
+  EXPECT_EQ(wrong.exit, 2) << "its parameters are checked like those of a built-in law";
+  EXPECT_THAT(wrong.err, HasSubstr("\"limit_Nm\" in law.soft_stop \"k2\" is -1"));
+}
+
+TEST_F(Plugins, EffectOfTheTemplateDoesWhatItSays) {
+  const nlohmann::json with = bench_->Json({"modes", "mass.toml", "--plugin", kEffect});
+  const nlohmann::json by_hand = bench_->Json({"modes", "line.toml", "--set", "plant.inertia.I3=0.6"});
+  EXPECT_EQ(with["modes"], by_hand["modes"]);
+  EXPECT_EQ(bench_->Call({"run", "mass.toml", "--plugin", kEffect}).exit, 0);
+  EXPECT_EQ(bench_->Call({"run", "mass.toml", "--plugin", kEffect, "--set", "effect.0.parameters.I_extra=1e3"}).exit,
+            2);
+}
+
+TEST_F(Plugins, AreFoundOnThePath) {
+  const CallOptions path{.environment = {{"DYNOPROOF_PLUGIN_PATH", std::string(kLaw) + ":extra_mass/build"}}};
+  EXPECT_EQ(bench_->Call({"validate", "stop.toml", "mass.toml"}, path).exit, 0);
+  const Outcome list = bench_->Call({"list"}, path);
+  EXPECT_THAT(list.out, HasSubstr("law.soft_stop"));
+  EXPECT_THAT(list.out, HasSubstr("extra_mass"));
+  const CallOptions wrong{.environment = {{"DYNOPROOF_PLUGIN_PATH", "nowhere"}}};
+  const Outcome outcome = bench_->Call({"list"}, wrong);
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("nowhere"));
+}
+
+TEST_F(Plugins, ThatAreNoneAreRefused) {
+  bench_->Write("stranger.cc",
+                "struct Entry { const char* stamp; void (*f)(void*); };\n"
+                "static void Nothing(void*) {}\n"
+                "extern \"C\" __attribute__((visibility(\"default\"))) const Entry dynoproof_plugin = "
+                "{\"headers of another day\", Nothing};\n");
+  bench_->Write("plain.cc", "int answer() { return 42; }\n");
+  Shell("c++ -shared -fPIC -o stranger.so stranger.cc && c++ -shared -fPIC -o plain.so plain.cc");
+  bench_->Write("text.so", "this is no library\n");
+  for (const auto& [file, answer] :
+       {std::pair("stranger.so", "headers of another day"), std::pair("plain.so", "exports no dynoproof_plugin"),
+        std::pair("text.so", "cannot be loaded"), std::pair("none.so", "there is no such plugin file")}) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"list"}, {"run", "line.toml"}, {"modes", "line.toml"}}) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), {"--plugin", file});
+      const Outcome outcome = bench_->Call(arguments);
+      EXPECT_EQ(outcome.exit, 2) << file << outcome.Both();
+      EXPECT_THAT(outcome.err, HasSubstr(file));
+      EXPECT_THAT(outcome.err, HasSubstr(answer));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dynoproof::test
