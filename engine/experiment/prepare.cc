@@ -61,6 +61,27 @@ void ReadReplays(const Value& value, const std::string& folder, Records& records
   if (mapped) records[text("file") + "#" + text("column")] = mapped->inputs.at(text("column"));
 }
 
+/// [record]: how far the outputs may be from a measured record that `run --data` hands over.
+struct RecordLimits {
+  std::vector<std::pair<std::string, double>> nrmse;
+  void Visit(auto& v) { v.Optional("nrmse", nrmse, Positive("1"), "largest NRMSE by output"); }
+};
+
+void CheckRecord(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
+  const Value* table = plan.root.Find("record");
+  if (table == nullptr) return;
+  RecordLimits limits;
+  if (!table->is_table()) {
+    diagnostics.Error(table->where(), "\"record\" is " + table->KindName(),
+                      "write [record] with nrmse = { OUTPUT = ... }");
+  } else if (ReadParams(*table, limits, diagnostics, "record")) {
+    for (const auto& [name, limit] : limits.nrmse) {
+      if (FindOutput(rig, name) >= 0) continue;
+      diagnostics.Error(table->Find("nrmse")->where(), fmt::format("there is no output \"{}\" to limit", name));
+    }
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,

@@ -54,7 +54,7 @@ TEST(HeldInputExponential, PulseLeavesItsMomentum) {
   const Result<Answer> answer = HeldInputExponential({scenario, time, {{"T", torque}}, {"T_shaft", "w1", "phi2"}});
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer->at("w1")[3], 0.0);
-  EXPECT_NEAR(answer->at("w1")[4], 50.0 * 1e-4 / 2.0, 2e-5);  // the shaft takes 1 % of it within the tick
+  EXPECT_NEAR(answer->at("w1")[4], 50.0 * 1e-4 / 2.0, 1e-4);  // the shaft takes 2 % of it within the tick
   EXPECT_NEAR(answer->at("w1").back(), 50.0 * 1e-4 / 2.5, 1e-13);
   EXPECT_NEAR(answer->at("T_shaft").back(), 0.0, 1e-9);
 }
