@@ -17,7 +17,9 @@ struct GoldenTolerances {
   struct OfSignal {
     double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
     double time_half_width_s = 0.0;
-    std::string origin = "measured: the same build on other vector instructions differs by at most 1e-9; factor 100";
+    std::string origin =
+        "round-off: solver and oracle are both exact and 4e-11 apart (NRMSE); the rest is room for other vector "
+        "instructions and compilers";
     void Visit(auto& v) {
       v.Required("relative_width", relative_width, Positive("1"), "half-width over the nominal");
       v.Optional("time_half_width_s", time_half_width_s, NonNegative(), "how much earlier or later");

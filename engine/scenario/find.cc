@@ -62,7 +62,8 @@ std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& dia
   for (const fs::path& place : {folder / name, fs::path(name)}) {
     if (!name.empty() && fs::is_directory(place, error)) {
       std::vector<std::string> files = FilesBelow(place);
-      if (files.empty()) diagnostics.Error({place.string()}, "there is no scenario in this folder", "files end in .toml");
+      if (files.empty())
+        diagnostics.Error({place.string()}, "there is no scenario in this folder", "files end in .toml");
       return files;
     }
   }

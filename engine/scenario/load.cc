@@ -249,8 +249,11 @@ void WriteTable(const Value& table, const std::string& path, int depth, std::str
   for (const Value::Entry& entry : table.table()) {
     const std::string name = path.empty() ? Key(entry.key) : path + "." + Key(entry.key);
     if (entry.value.is_table() && depth < 2) {
-      out += fmt::format("\n[{}]\n", name);
-      WriteTable(entry.value, name, depth + 1, out);
+      std::string body;
+      WriteTable(entry.value, name, depth + 1, body);
+      // A table that holds nothing but tables needs no line of its own.
+      if (body.empty() || !body.starts_with("\n[")) out += fmt::format("\n[{}]\n", name);
+      out += body;
     } else if (depth == 0 && TableArray(entry.value)) {
       for (const Value& item : entry.value.array()) {
         out += fmt::format("\n[[{}]]\n", name);
