@@ -47,7 +47,8 @@ struct ModalForm {
   static ModalForm Build(const LinearSystem& system);
 
   /// Without the pairs beyond the `count` slowest (by |eigenvalue|). What a dropped mode does to a constant input is
-  /// kept: its static gain goes to D (and F). Larger blocks and real eigenvalues all stay.
+  /// kept: its static gain goes to D (and F). (A correction of the next order gains no more than one further pair.)
+  /// Larger blocks and real eigenvalues all stay.
   ModalForm KeepPairs(int count) const;
   /// Without all blocks whose eigenvalues all exceed `limit` [rad/s], static gain kept likewise.
   ModalForm KeepBelow(double limit) const;
