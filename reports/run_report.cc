@@ -80,7 +80,8 @@ std::string Cell(std::string text) {
 int WorseExit(int a, int b) {
   const auto rank = [](int code) {
     constexpr int kOrder[] = {2, 3, 1, 5, 4, 0};
-    return std::find(std::begin(kOrder), std::end(kOrder), code) - std::begin(kOrder);
+    const auto* found = std::find(std::begin(kOrder), std::end(kOrder), code);
+    return found == std::end(kOrder) ? 1 : found - std::begin(kOrder);  // an unknown code is a broken run
   };
   return rank(a) < rank(b) ? a : b;
 }
@@ -88,7 +89,9 @@ int WorseExit(int a, int b) {
 int ExitCode(const std::vector<ScenarioResult>& results) {
   if (results.empty()) return 1;
   int code = 0;
-  for (const ScenarioResult& result : results) code = WorseExit(code, score::ExitCode(result.verdict));
+  for (const ScenarioResult& result : results) {
+    code = WorseExit(code, result.broken.empty() ? score::ExitCode(result.verdict) : result.exit_code);
+  }
   return code;
 }
 
@@ -237,6 +240,7 @@ std::string ToCards(const std::vector<ScenarioResult>& results, const std::strin
           "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n  again  {} {}\n",
           Paint(Colour(check.verdict), check.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED", colour),
           result.id, check.name, Limit(check), check.explanation, check.origin, again, result.id);
+      for (const std::string& note : result.notes) text += fmt::format("  note   {}\n", note);
     }
   }
   return text;

@@ -84,15 +84,28 @@ int Bless(const Common& common, const std::string& id, const std::string& reason
   std::unique_ptr<Prepared> prepared;
   if (files.size() == 1) prepared = Prepare(files[0], {}, *registry, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
-  const Result<std::unique_ptr<Solver>> solver = MakeSolver(prepared->rig->run.solver, *prepared->rig);
-  const Result<Samples> samples = solver.ok() ? Simulate(*prepared->rig, **solver) : Result<Samples>(solver.failure());
-  if (!samples.ok()) {
-    Complain(samples.failure().ToString() + "\n");
+  const std::filesystem::path out =
+      std::filesystem::temp_directory_path() / fmt::format("dynoproof-bless-{}", getpid());
+  RunOptions options;
+  options.out = out.string();
+  const ScenarioResult result = RunScenario(*prepared, options);
+  const Result<trace::Trace> trace = trace::ReadTrace((out / (prepared->plan.id + ".h5")).string());
+  std::error_code ignored;
+  std::filesystem::remove_all(out, ignored);
+  if (!result.broken.empty() || !trace.ok()) {
+    Complain((result.broken.empty() ? trace.failure().ToString() : result.broken) + "\n");
     return kBroken;
   }
-  if (const Status failed = WriteGolden(prepared->plan.id, MakeTrace(*prepared, *samples), reason)) {
+  // An oracle outranks a golden trace, and a published figure both: a run that they refuse is not made golden.
+  std::string failing;
+  for (const score::Check& check : result.checks) {
+    if (check.verdict == score::Verdict::kPass || check.name.starts_with("golden")) continue;
+    failing += fmt::format("  {}: {}\n", check.name, check.explanation);
+  }
+  if (!failing.empty()) return refuse("other checks of the scenario fail:\n" + failing);
+  if (const Status failed = WriteGolden(prepared->plan.id, *trace, reason)) {
     Complain(failed->ToString() + "\n");
-    return kBroken;
+    return failed->exit_code == 2 ? kUsage : kBroken;
   }
   Print(common, fmt::format("golden/{0}.h5 and golden/{0}.toml now hold this run; look at the change and commit it\n",
                             prepared->plan.id));

@@ -24,7 +24,7 @@ std::string Row(const ClaimResult& result) {
     deviation = fmt::format("{:+.3g}", result.ours->value - claim.published);
   }
   std::string row = fmt::format("{:<30} {:>11} {:>11} {:>10} {:<9} {:<14} {}\n", claim.id, published, ours, deviation,
-                                unit, ToString(result.standing), claim.place);
+                                unit, result.fault.empty() ? ToString(result.standing) : "fault", claim.place);
   if (!result.fault.empty()) row += "  fault: " + result.fault + "\n";
   if (!result.as_expected && result.fault.empty()) row += fmt::format("  the ledger expects: {}\n", claim.expect);
   return row;
@@ -41,7 +41,7 @@ nlohmann::json ToJson(const ClaimResult& result) {
           {"tolerance", claim.tolerance},
           {"origin", claim.origin},
           {"unit", claim.unit},
-          {"verdict", ToString(result.standing)},
+          {"verdict", result.fault.empty() ? ToString(result.standing) : "fault"},
           {"as_expected", result.as_expected},
           {"explanation", result.fault.empty() ? claim.explanation : result.fault}};
 }
@@ -68,11 +68,13 @@ int Run(const Common& common, const std::string& which) {
                                  "deviation", "unit", "verdict", "place");
   text += std::string(120, '-') + "\n";
   nlohmann::json document = {{"claims", nlohmann::json::array()}};
-  int exit = kGood, counts[3] = {};
+  int exit = kGood, counts[3] = {}, faults = 0, unexpected = 0;
   for (const Claim* claim : chosen) {
     ShowProgress(claim->id, static_cast<double>(document["claims"].size()) / static_cast<double>(chosen.size()));
     const ClaimResult result = Reproduce(*registry, *claim);
-    ++counts[static_cast<int>(result.standing)];
+    if (result.fault.empty()) ++counts[static_cast<int>(result.standing)];
+    faults += result.fault.empty() ? 0 : 1;
+    unexpected += result.fault.empty() && !result.as_expected ? 1 : 0;
     if (!result.as_expected) exit = kShort;
     text += Row(result);
     const bool tell = chosen.size() == 1 || result.standing == Standing::kContradicted;
@@ -81,8 +83,9 @@ int Run(const Common& common, const std::string& which) {
     document["claims"].push_back(ToJson(result));
   }
   ClearProgress();
-  text += fmt::format("\n{} reproduced, {} contradicted with explanation, {} not checkable\n", counts[0], counts[1],
-                      counts[2]);
+  text += fmt::format(
+      "\n{} reproduced, {} contradicted, {} not checkable; {} otherwise than the ledger expects, {} faults\n",
+      counts[0], counts[1], counts[2], unexpected, faults);
   Print(common, text);
   document["exit"] = exit;
   return reports::WorseExit(exit, WriteJson(common, document));

@@ -26,6 +26,7 @@ class ResonancesCheck : public CheckPlan {
     }
     void Check(Faults& faults) const;
   };
+  static constexpr bool kNeedsAnalysis = true;
   static constexpr const char* kName = "resonances";
   static constexpr const char* kSummary = "peaks of the chirp run against the frequency response of [analysis]";
   explicit ResonancesCheck(Params params) : p_(std::move(params)) {}

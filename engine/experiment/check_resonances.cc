@@ -62,8 +62,9 @@ std::vector<score::Check> ResonancesCheck::Run(CheckContext& context) const {
   const score::Series output = SeriesOf(context.samples(), context.rig(), settings->output);
   // Estimated somewhat beyond the band, so that a resonance at its edge is seen from both sides.
   const double margin = 0.02 * (p_.band_Hz[1] - p_.band_Hz[0]);
-  const score::Response response = score::EstimateResponse(
-      input.time_s, input.values, output.values, {.from_hz = p_.band_Hz[0] - margin, .to_hz = p_.band_Hz[1] + margin});
+  const score::Response response =
+      score::EstimateResponse(input.time_s, input.values, output.values,
+                              {.from_hz = std::max(0.0, p_.band_Hz[0] - margin), .to_hz = p_.band_Hz[1] + margin});
   if (!response.ok()) return failed(response.reason);
   const score::PeakList found = score::FindPeaks(response.frequency_hz, response.Magnitude(), p_.prominence_db);
   if (!found.ok()) return failed(found.reason);
@@ -103,6 +104,7 @@ std::vector<score::Check> ResonancesCheck::Run(CheckContext& context) const {
                                    p_.tolerance_gain, "1", p_.origin,
                                    fmt::format("gain {:.2f}, frequency response {:.2f}", seen.height, want.height)));
   }
+  if (number == 0) return failed("the frequency response has no resonance in the band: choose another band_Hz");
   int extra = 0;
   std::string where;
   for (std::size_t i = 0; i < found.peaks.size(); ++i) {

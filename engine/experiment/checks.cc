@@ -168,17 +168,26 @@ class OracleCheck : public CheckPlan {
 
 struct Kind {
   CheckKindInfo info;
-  std::function<std::unique_ptr<CheckPlan>(const Value&, const Rig&, Diagnostics&)> make;
+  std::function<std::unique_ptr<CheckPlan>(const Value&, const Plan&, const Rig&, Diagnostics&)> make;
 };
 
 template <class C>
 Kind MakeKind() {
   return {{C::kName, C::kSummary, ListParams<typename C::Params>()},
-          [](const Value& table, const Rig& rig, Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
+          [](const Value& table, [[maybe_unused]] const Plan& plan, const Rig& rig,
+             Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
             typename C::Params params;
             if (!ReadParams(table, params, diagnostics, fmt::format("check.{}", C::kName), {"kind"})) return nullptr;
             auto check = std::make_unique<C>(std::move(params));
             bool good = true;
+            if constexpr (requires { C::kNeedsAnalysis; }) {
+              if (plan.root.Find("analysis") == nullptr) {
+                diagnostics.Error(table.where(),
+                                  fmt::format("a check of kind \"{}\" needs the section [analysis]", C::kName),
+                                  "add [analysis] with input and output");
+                good = false;
+              }
+            }
             for (const std::string& signal : check->Signals()) {
               if (FindOutput(rig, signal) >= 0) continue;
               std::vector<std::string> names;
@@ -228,7 +237,7 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
           near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    if (auto check = kind->make(table, rig, diagnostics)) checks.push_back(std::move(check));
+    if (auto check = kind->make(table, plan, rig, diagnostics)) checks.push_back(std::move(check));
   }
   return checks;
 }

@@ -62,6 +62,34 @@ std::vector<double> SamplesAt(std::span<const double> times, std::span<const dou
   return samples;
 }
 
+/// The run's length and its solver's counters, which the thinned golden trace does not show.
+std::vector<score::Check> CompareLengthAndCost(const GoldenTolerances::OfRun& golden, const trace::Trace& run) {
+  const bool same = run.time.size() == static_cast<std::size_t>(golden.samples) && !run.time.empty() &&
+                    std::abs(run.time.back() - golden.end_s) <= 1e-9;
+  if (!same) {
+    return {Failed("golden length", "tube",
+                   fmt::format("{} samples to {:.9g} s, golden {} to {:.9g} s", run.time.size(),
+                               run.time.empty() ? 0.0 : run.time.back(), golden.samples, golden.end_s))};
+  }
+  std::vector<score::Check> checks = {
+      score::AtMost("golden length", "tube", 0.0, 0.0, "s", "samples and last time are exact", "")};
+  // Another solver has other counters: they say nothing then.
+  if (run.provenance.Text("solver") != golden.solver) return checks;
+  double worst = 0.0;
+  std::string which;
+  for (const auto& [name, want] : golden.counters) {
+    const std::optional<std::int64_t> have = run.provenance.Counter("solver_" + name);
+    const double off = have ? std::abs(static_cast<double>(*have) - want) / std::max(want, 1.0) : INFINITY;
+    if (off <= worst) continue;
+    worst = off;
+    which = fmt::format("{}: {} instead of {:.0f}", name, have ? fmt::format("{}", *have) : "none", want);
+  }
+  checks.push_back(score::AtMost("golden solver counters", "counters", worst, 0.1, "1",
+                                 "a tenth: rounding moves an adaptive step now and then, a changed method moves more",
+                                 which));
+  return checks;
+}
+
 }  // namespace
 
 std::string GoldenFolder() { return (fs::path(ScenarioFolder()).parent_path() / "golden").lexically_normal().string(); }
@@ -73,6 +101,10 @@ Result<GoldenTolerances> ReadTolerances(const std::string& file) {
   GoldenTolerances tolerances;
   if (const Value* reason = plan->root.Find("reason"); reason != nullptr && reason->is_string())
     tolerances.reason = reason->string();
+  if (const Value* run = plan->root.Find("run"); run != nullptr) {
+    if (!ReadParams(*run, tolerances.run, diagnostics, "run"))
+      return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
+  }
   const Value* signals = plan->root.Find("signal");
   for (const Value::Entry& entry : signals != nullptr && signals->is_table() ? signals->table() : Value::Table{}) {
     GoldenTolerances::OfSignal tolerance;
@@ -165,18 +197,30 @@ std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::
   }
   const Result<GoldenTolerances> tolerances = ReadTolerances((fs::path(GoldenFolder()) / (id + ".toml")).string());
   if (!tolerances.ok()) return {Failed("golden", "tube", tolerances.failure().ToString())};
-  return CompareTraces(*golden, run, tolerances->signals, "golden");
+  std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
+  for (score::Check& check : CompareTraces(*golden, run, tolerances->signals, "golden")) {
+    checks.push_back(std::move(check));
+  }
+  return checks;
 }
 
 Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason) {
-  const Result<GoldenTolerances> old = ReadTolerances((fs::path(GoldenFolder()) / (id + ".toml")).string());
-  const fs::path folder = GoldenFolder();
+  const fs::path folder = GoldenFolder(), tolerance_file = folder / (id + ".toml");
+  const Result<GoldenTolerances> old = ReadTolerances(tolerance_file.string());
+  // Somebody's tolerances and reasons stand in a faulty file: they are not to be replaced by defaults.
+  if (std::error_code error; !old.ok() && fs::exists(tolerance_file, error)) return old.failure();
   trace::Trace thin = Thin(run);
   if (Status failed = trace::WriteTrace(folder / (id + ".h5"), thin, {.deflate_level = 9})) return failed;
   Value root;
   root["reason"] = Value(reason);
   for (const char* key : {"version", "commit", "compiler", "cpu"}) {
     root["provenance"][key] = Value(run.provenance.Text(key).value_or("unknown"));
+  }
+  root["run"] = Value{{"samples", static_cast<std::int64_t>(run.time.size())},
+                      {"end_s", run.time.empty() ? 0.0 : run.time.back()},
+                      {"solver", run.provenance.Text("solver").value_or("unknown")}};
+  for (const auto& [name, count] : run.provenance.counters) {
+    if (name.starts_with("solver_")) root["run"]["counters"][name.substr(7)] = Value(count);
   }
   for (const trace::Signal& signal : thin.signals) {
     const bool kept = old.ok() && old->signals.contains(signal.name);

@@ -26,7 +26,21 @@ struct GoldenTolerances {
       v.Required("origin", origin, Any(), "why");
     }
   };
+  /// What thinning hides: how long the run was, and what it cost the solver.
+  struct OfRun {
+    std::int64_t samples = 0;
+    double end_s = 0.0;
+    std::string solver;
+    std::vector<std::pair<std::string, double>> counters;
+    void Visit(auto& v) {
+      v.Required("samples", samples, Positive("1"), "samples of the main time base");
+      v.Required("end_s", end_s, NonNegative(), "its last time");
+      v.Required("solver", solver, Any(), "the solver of the run");
+      v.Optional("counters", counters, NonNegative("1"), "its counters, golden within 10 %");
+    }
+  };
   std::string reason;  // of the last bless
+  OfRun run;
   std::map<std::string, OfSignal> signals;
 };
 

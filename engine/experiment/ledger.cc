@@ -68,6 +68,10 @@ ClaimResult Reproduce(const Registry& registry, const Claim& claim) {
     result.fault = figure.failure().ToString();
     return result;
   }
+  if (figure->unit != claim.unit) {
+    result.fault = fmt::format("the study gives \"{}\", the claim is in \"{}\"", figure->unit, claim.unit);
+    return result;
+  }
   result.ours = *figure;
   const bool same = std::isfinite(figure->value) && std::abs(figure->value - claim.published) <= claim.tolerance;
   result.standing = same ? Standing::kReproduced : Standing::kContradicted;

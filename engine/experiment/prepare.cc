@@ -7,7 +7,6 @@
 
 #include "experiment/analysis.h"
 #include "scenario/load.h"
-#include "score/series.h"
 
 namespace dynoproof {
 namespace {
@@ -17,8 +16,26 @@ std::vector<std::string> KeysOfSection(const Plan& plan, const char* section) {
   return tables != nullptr ? KeysOf(*tables) : std::vector<std::string>{};
 }
 
+/// The mean step of a time base that starts at 0 [s].
+double MeanStep(const Series& series) {
+  const double steps = static_cast<double>(series.time->size()) - 1.0;
+  return series.time->back() / std::max(1.0, steps);
+}
+
+/// The series with its samples on the ticks of `period_s`, if it has one for each: time stamps that were rounded when
+/// they were written, or a step of no whole nanoseconds, would else let some samples act a period late.
+Series OnTicks(const Series& series, double period_s) {
+  const std::vector<double>& time = *series.time;
+  std::vector<double> ticks(time.size());
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    ticks[i] = static_cast<double>(i) * period_s;
+    if (std::abs(time[i] - ticks[i]) > 0.5 * period_s) return series;
+  }
+  return {std::make_shared<const std::vector<double>>(std::move(ticks)), series.values};
+}
+
 /// Drives the inputs of the record by it, for as long as it lasts.
-void DriveByRecord(const MappedRecord& data, Plan& plan) {
+void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
   for (const auto& [name, series] : data.inputs) {
     Value& input = plan.root["input"][name];
     input.Erase("from");
@@ -28,14 +45,15 @@ void DriveByRecord(const MappedRecord& data, Plan& plan) {
   const Value* written = run.Find("period_s");
   double period_s = written != nullptr && written->is_number() ? written->number() : RunSettings{}.period_s;
   // A record of a slower rate that the run's period does not divide sets the period: its inputs are held sample by
-  // sample.
-  const Series& any = data.inputs.empty() ? data.outputs.begin()->second : data.inputs.begin()->second;
-  const double step_s = score::MedianStep(*any.time), ratio = step_s / period_s;
-  if (std::abs(ratio - std::round(ratio)) > 1e-6 * ratio) {
-    period_s = std::round(step_s * 1e9) * 1e-9;
+  // sample. Rounded up to whole nanoseconds, so that no tick comes before its sample.
+  const double step_s = MeanStep(data.inputs.empty() ? data.outputs.begin()->second : data.inputs.begin()->second);
+  const double ratio = step_s / period_s;
+  if (step_s > 0.0 && std::abs(ratio - std::round(ratio)) > 1e-6 * ratio) {
+    period_s = std::ceil(step_s * 1e9 - 1e-3) * 1e-9;
     run["period_s"] = Value(period_s);
   }
-  run["duration_s"] = Value(std::max(1.0, std::floor(data.end_s / period_s * (1.0 + 1e-9))) * period_s);
+  run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - 1e-6)) * period_s);
+  for (const auto& [name, series] : data.inputs) records[name] = OnTicks(series, period_s);
 }
 
 /// Reads the files that `replay` sources name, anywhere in the tree.
@@ -91,8 +109,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   prepared->records = std::make_shared<Records>();
   if (!options.solver.empty()) plan.root["run"]["solver"] = Value(options.solver);
   if (options.data != nullptr) {
-    DriveByRecord(*options.data, plan);
-    for (const auto& [name, series] : options.data->inputs) (*prepared->records)[name] = series;
+    DriveByRecord(*options.data, plan, *prepared->records);
   }
   const std::string folder = std::filesystem::path(plan.file).parent_path().string();
   if (const Value* inputs = plan.root.Find("input")) ReadReplays(*inputs, folder, *prepared->records, diagnostics);
@@ -117,8 +134,16 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
                                   Diagnostics& diagnostics) {
   const int before = diagnostics.error_count();
   std::optional<Plan> plan = LoadPlan(file, options.overrides, diagnostics);
+  for (const std::string& change : options.overrides) {
+    if (options.data == nullptr || !change.starts_with("run.duration_s")) continue;
+    diagnostics.Error({"--set"}, "run.duration_s cannot be set: the record says how long the run lasts",
+                      "shorten the record: rows = [FIRST, LAST] in the map file");
+  }
   if (!plan) return nullptr;
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
+  if (prepared != nullptr && !options.overrides.empty()) {
+    prepared->notes.push_back("changed by --set; golden traces and stated limits belong to the scenario as written");
+  }
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 

@@ -19,6 +19,7 @@ struct Prepared {
   std::unique_ptr<Rig> rig;
   std::vector<std::unique_ptr<CheckPlan>> checks;
   std::shared_ptr<Records> records;
+  std::vector<std::string> notes;  // what a reader of the result should know
 };
 
 struct PrepareOptions {

@@ -69,6 +69,14 @@ std::vector<score::Check> CompareWithRecord(const Prepared& prepared, const Samp
     }
     checks.push_back(std::move(check));
   }
+  if (limits == nullptr || data.outputs.empty()) return checks;
+  for (const std::string& name : KeysOf(*limits)) {
+    if (data.outputs.contains(name)) continue;
+    score::Check& missing = checks.emplace_back();
+    missing.name = "record " + name;
+    missing.kind = "record";
+    missing.explanation = "[record] limits this output, but the record does not have it";
+  }
   return checks;
 }
 
@@ -111,9 +119,11 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   ScenarioResult result;
   result.id = prepared.plan.id;
   result.title = prepared.title;
+  result.notes = prepared.notes;
   const auto broken = [&result](const Failure& failure) {
     result.verdict = score::Verdict::kBroken;
     result.broken = failure.ToString();
+    result.exit_code = failure.exit_code;
     return result;
   };
   const Rig& rig = *prepared.rig;
@@ -138,7 +148,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   }
   result.figures = std::move(context.figures);
   if (options.data != nullptr) {
-    result.notes = options.data->notes;
+    result.notes.insert(result.notes.end(), options.data->notes.begin(), options.data->notes.end());
     result.checks = CompareWithRecord(prepared, *samples, *options.data, result.figures);
     if (result.checks.empty()) {
       result.verdict = score::Verdict::kInconclusive;

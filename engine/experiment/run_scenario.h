@@ -18,6 +18,7 @@ struct ScenarioResult {
   std::vector<score::Check> checks;
   Figures figures;
   std::string broken;  // why, for a verdict of kBroken
+  int exit_code = 3;   // of that failure
   std::vector<std::string> notes;
 };
 

@@ -39,10 +39,10 @@ class Law {
   virtual void Guards(const LawView&, std::span<double> /*values*/) const {}
   virtual void OnEvent(const LawView&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 
-  /// True for laws with friction: their torque depends on holding_torque, and `realtime` solves them by Stick().
+  /// True for laws with friction: their torque depends on holding_torque, and `realtime` solves them by SlipTorque().
   virtual bool sticks() const { return false; }
-  /// Realtime, laws that stick: the largest torque magnitude that the law can hold in the direction of `sign`.
-  /// The solver finds the torque that stops the motion within the step and clamps it by this.
+  /// Realtime, laws that stick: the torque of slipping at view.rate in the direction of `sign` (+1 or -1: the sign that
+  /// the torque has). The solver finds the torque that stops the motion within the step; what exceeds this, slips.
   virtual double SlipTorque(const LawView&, int /*sign*/) const { return 0.0; }
 
  protected:

@@ -7,10 +7,8 @@
 namespace dynoproof {
 namespace {
 
-const std::vector<std::string> kTopLevel = {"title",    "source", "assumed", "include", "run",
-                                            "plant",    "part",   "control", "input",   "output",
-                                            "analysis", "check",  "effect",  "golden",  "prediction_window_s",
-                                            "record",   "budget"};
+const std::vector<std::string> kTopLevel = {"title", "source", "include",  "run",   "plant",  "part",  "control",
+                                            "input", "output", "analysis", "check", "effect", "record"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {

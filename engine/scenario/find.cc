@@ -59,7 +59,9 @@ std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& dia
   if (fs::is_regular_file(name, error)) return {name};
   const fs::path folder = ScenarioFolder();
   if (const fs::path file = folder / (name + ".toml"); fs::is_regular_file(file, error)) return {file.string()};
-  for (const fs::path& place : {folder / name, fs::path(name)}) {
+  // "./x" and "/x" can only be folders of the file system; other names are a family first.
+  const bool literal = name.starts_with('.') || name.starts_with('/');
+  for (const fs::path& place : {literal ? fs::path(name) : folder / name, fs::path(name)}) {
     if (!name.empty() && fs::is_directory(place, error)) {
       std::vector<std::string> files = FilesBelow(place);
       if (files.empty())

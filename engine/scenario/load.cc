@@ -75,6 +75,18 @@ std::optional<Value> ParseFile(const std::string& file, const SourceSpan& asked_
   }
 }
 
+/// Merges `patch` into `base`: tables key by key, other values replaced. Effects and checks add up, those of `base`
+/// first: a file that includes another and adds a check must not lose the others in silence.
+void Include(Value& base, Value patch) {
+  for (const char* key : {"effect", "check"}) {
+    const Value* first = base.Find(key);
+    Value* more = patch.Find(key);
+    if (first == nullptr || more == nullptr || !first->is_array() || !more->is_array()) continue;
+    more->array().insert(more->array().begin(), first->array().begin(), first->array().end());
+  }
+  MergeInto(base, patch);
+}
+
 /// The file with its includes merged below it. `open` holds the files being read, to find circles.
 std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan& asked_by, std::set<std::string>& open,
                                       Diagnostics& diagnostics) {
@@ -102,14 +114,14 @@ std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan&
       }
       const std::string path = (fs::path(file).parent_path() / item.string()).lexically_normal().string();
       std::optional<Value> part = ReadWithIncludes(path, item.where(), open, diagnostics);
-      if (part) MergeInto(merged, *part);
+      if (part) Include(merged, *part);
       good = good && part.has_value();
     }
     own->Erase("include");
   }
   open.erase(canonical);
   if (!good) return std::nullopt;
-  MergeInto(merged, *own);
+  Include(merged, *own);
   return merged;
 }
 

@@ -34,17 +34,23 @@ Roles AssignRoles(const Rig& rig) {
   const int count = static_cast<int>(rig.blocks.size());
   const std::vector<bool> feeds = FeedsDynamics(rig);
   Roles roles;
+  std::set<int> behind;  // slots of the blocks behind the dynamics
   for (int i = 0; i < count; ++i) {
     const Block& block = rig.blocks[i];
+    const bool follows =
+        std::any_of(block.inputs.begin(), block.inputs.end(), [&](int slot) { return behind.contains(slot); });
     const bool only_held =
         std::all_of(block.inputs.begin(), block.inputs.end(), [&](int slot) { return held.contains(slot); });
     if (block.states() == 0 && only_held) {
       roles.held.push_back(i);
       for (int k = 0; k < block.outputs(); ++k) held.insert(block.first_output + k);
-    } else if (block.component->linear_part() != nullptr) {
+    } else if (block.component->linear_part() != nullptr && !follows) {
       roles.linear.push_back(i);
+    } else if (block.states() > 0 || feeds[i]) {
+      roles.nonlinear.push_back(i);
     } else {
-      (block.states() > 0 || feeds[i] ? roles.nonlinear : roles.behind).push_back(i);
+      roles.behind.push_back(i);
+      for (int k = 0; k < block.outputs(); ++k) behind.insert(block.first_output + k);
     }
   }
   return roles;

@@ -47,7 +47,12 @@ class RealtimeSolver : public Solver {
     ReadInputs(frame, v0_);
     Outputs(frame, v0_, y0_);
     for (std::size_t e = 0; e < group_.channels.size(); ++e) {
-      if (!Law_(e).sticks()) Torque(frame)[e] = BeyondLinear(e, 0.0, y0_, OwnStates(frame, e));
+      if (!Law_(e).sticks()) {
+        Torque(frame)[e] = BeyondLinear(e, 0.0, y0_, OwnStates(frame, e));
+      } else if (const double rate = Rate(y0_, e); rate != 0.0) {
+        Torque(frame)[e] =
+            Law_(e).SlipTorque({0.0, Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}}, rate > 0.0 ? 1 : -1);
+      }
     }
     return {};
   }
@@ -55,9 +60,7 @@ class RealtimeSolver : public Solver {
   Status Advance(Frame& frame, int index) override {
     const Step& step = steps_[index];
     const double begin_s = Seconds(frame.time) + rig_.intervals[index].begin * Seconds(rig_.period);
-    for (const int block : roles_.held) {
-      EvaluateBlock(rig_.blocks[block], begin_s, frame.states, frame.modes, frame.signals);
-    }
+    for (const int block : roles_.held) EvaluateAt(frame, block, begin_s);
     ++periods_;
     if (exact_) {
       ReadInputs(frame, v0_);
@@ -70,12 +73,9 @@ class RealtimeSolver : public Solver {
   }
 
   void Evaluate(Frame& frame, double time_s) override {
-    ReadInputs(frame, v0_);
-    Outputs(frame, v0_, y0_);
-    for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = y0_[i];
-    for (const auto* list : {&roles_.nonlinear, &roles_.behind}) {
-      for (const int block : *list) EvaluateBlock(rig_.blocks[block], time_s, frame.states, frame.modes, frame.signals);
-    }
+    for (const int block : roles_.held) EvaluateAt(frame, block, time_s);
+    Settle(frame, time_s);
+    for (const int block : roles_.behind) EvaluateAt(frame, block, time_s);
   }
 
   std::map<std::string, std::int64_t> counters() const override {
@@ -95,6 +95,7 @@ class RealtimeSolver : public Solver {
     if (rig.run.realtime.keep_below_Hz > 0.0)
       form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
     exact_ = group_.channels.empty() && roles_.nonlinear.empty();
+    chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end();
     summary_ = fmt::format(
         "{} pairs, {} real, {} integrators, {} states dropped, condition {:.1f}{}; {} nonlinear laws, "
         "{} nonlinear parts",
@@ -122,6 +123,20 @@ class RealtimeSolver : public Solver {
   void ReadInputs(Frame& frame, std::vector<double>& v) const {
     for (std::size_t i = 0; i < group_.reads.size(); ++i) v[i] = frame.signals[group_.reads[i]];
     for (std::size_t e = 0; e < group_.channels.size(); ++e) v[group_.reads.size() + e] = Torque(frame)[e];
+  }
+  void EvaluateAt(Frame& frame, int block, double time_s) const {
+    EvaluateBlock(rig_.blocks[block], time_s, frame.states, frame.modes, frame.signals);
+  }
+  /// Linear and nonlinear signals that pass each other on at one instant, made consistent: v0_, y0_ and frame.signals.
+  /// Each pass settles one more nonlinear part of a chain.
+  void Settle(Frame& frame, double time_s) {
+    for (std::size_t pass = 0; pass <= roles_.nonlinear.size(); ++pass) {
+      ReadInputs(frame, v0_);
+      Outputs(frame, v0_, y0_);
+      for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = y0_[i];
+      for (const int block : roles_.nonlinear) EvaluateAt(frame, block, time_s);
+      if (!chained_) break;
+    }
   }
   void Outputs(Frame& frame, const std::vector<double>& v, std::vector<double>& y) const {
     // A propagator of any length gives the same outputs; before the first exists (never in a run) there are none.
@@ -165,21 +180,14 @@ class RealtimeSolver : public Solver {
     double slip = Law_(e).SlipTorque({time_s, Twist(y_, e), 0.0, hold, own, {}}, sign);
     if (std::abs(hold) <= std::abs(slip)) return hold;
     slip = Law_(e).SlipTorque({time_s, Twist(y_, e), rate_without + gain * slip, hold, own, {}}, sign);
-    return slip;
+    return std::copysign(std::min(std::abs(slip), std::abs(hold)), hold);  // friction never drives
   }
 
   void Substep(Frame& frame, const Step& step, double time_s) {
     const std::size_t reads = group_.reads.size(), channels = group_.channels.size(), m = v0_.size();
     const std::span<double> state = State(frame);
+    Settle(frame, time_s);  // a held signal that feeds through may have jumped
     ReadInputs(frame, v0_);
-    step.propagator.Output(state, v0_, y0_);
-    if (!roles_.nonlinear.empty()) {  // a held signal that feeds through may have jumped
-      for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = y0_[i];
-      for (const int index : roles_.nonlinear) {
-        EvaluateBlock(rig_.blocks[index], time_s, frame.states, frame.modes, frame.signals);
-      }
-      ReadInputs(frame, v0_);
-    }
     std::copy(state.begin(), state.end(), saved_.begin());
     std::copy(frame.states.begin(), frame.states.end(), states_.begin());
     step.propagator.Advance(state, v0_);
@@ -259,6 +267,7 @@ class RealtimeSolver : public Solver {
   Roles roles_;
   LinearGroup group_;
   ModalForm form_;
+  bool chained_ = false;     // the linear group reads a nonlinear part
   bool exact_ = true;        // nothing is nonlinear: one exact step per interval
   std::vector<Step> steps_;  // by interval
   std::string summary_;

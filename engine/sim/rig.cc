@@ -137,6 +137,10 @@ class RigBuilder {
           AddBlock(discrete ? "control" : "plant", name, entry.value, known, 1.0, discrete ? discrete_ : continuous_);
       if (block == nullptr) continue;
       if (discrete) ReadTiming(entry.value, *block);
+      if (discrete && block->inputs.size() > kMaxControlInputs) {
+        diagnostics_.Error(entry.value.where(), fmt::format("{} has {} inputs", name, block->inputs.size()),
+                           fmt::format("at most {}: a tick has fixed memory", kMaxControlInputs));
+      }
       if (const Value* inputs = entry.value.Find("inputs")) WireTable(*inputs, name);
     }
   }
@@ -259,18 +263,18 @@ class RigBuilder {
     line.delayed = AddSlot(chain + ".delayed");
     double delay_s = 0.0;
     slot_of_[chain] = AddStages("actuator", chain, spec.actuator, line.delayed, spec.nominal, delay_s);
-    if (delay_s == 0.0) {
+    if (std::llround(delay_s * 1e9) == 0) {
       Replace(line.delayed, line.command);
       line.delayed = line.command;
     }
-    const double periods = delay_s / rig_->run.period_s;
-    line.delay_periods = static_cast<int>(std::floor(periods + 1e-9));
-    line.delay_fraction = std::max(0.0, periods - line.delay_periods);
-    if (line.delay_fraction < 1e-9) line.delay_fraction = 0.0;
+    // Whole nanoseconds, as the clock: delays that differ by round-off alone share a cut.
+    const Nanoseconds delay = std::llround(delay_s * 1e9);
+    line.delay_periods = static_cast<int>(delay / rig_->period);
+    line.delay_fraction = static_cast<double>(delay % rig_->period) / static_cast<double>(rig_->period);
     for (const std::string& port : spec.to) {
       const Value* to = table.Find("to");
       port_wishes_.push_back({port, chain, to->where(), to->where()});
-      if (spec.actuator.empty()) port_wishes_.back().input = static_cast<int>(rig_->inputs.size());
+      port_wishes_.back().input = static_cast<int>(rig_->inputs.size());
     }
     if (!spec.from.empty()) from_wishes_.push_back({rig_->inputs.size(), spec.from, table.Find("from")->where()});
     rig_->inputs.push_back(std::move(line));
@@ -290,10 +294,9 @@ class RigBuilder {
     line.signal = AddStages("sensor", chain, spec.sensor, -1, spec.nominal, delay_s);
     const bool direct = line.signal == -1;
     line.sample = AddSlot(chain);
-    const double periods = delay_s / rig_->run.period_s;
-    line.delay_periods = static_cast<int>(std::ceil(periods - 1e-9));
-    line.sample_fraction = std::max(0.0, line.delay_periods - periods);
-    if (line.sample_fraction < 1e-9) line.sample_fraction = 0.0;
+    const Nanoseconds delay = std::llround(delay_s * 1e9), periods = (delay + rig_->period - 1) / rig_->period;
+    line.delay_periods = static_cast<int>(periods);
+    line.sample_fraction = static_cast<double>(periods * rig_->period - delay) / static_cast<double>(rig_->period);
     rig_->outputs.push_back(std::move(line));
     const SourceSpan where = Section("output", name)->Find("of")->where();
     of_wishes_.push_back({rig_->outputs.size() - 1, direct ? nullptr : continuous_[first].get(), spec.of, where});
@@ -365,7 +368,7 @@ class RigBuilder {
   struct PortWish {
     std::string port, signal;
     SourceSpan signal_where, port_where;
-    int input = -1;  // of the rig, when that input drives the port as it is
+    int input = -1;  // of the rig, when that input drives the port; actuator stages keep the unit
   };
 
   void WirePort(const PortWish& wish) {
@@ -395,7 +398,7 @@ class RigBuilder {
         near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("ports: {}", fmt::join(ports, ", ")));
   }
 
-  /// The unit of an input that drives a port as it is: the port's.
+  /// The unit of an input that drives a port: the port's.
   void TakeUnit(InputLine& line, const std::string& port_unit) {
     const Value* written = Section("input", line.name)->Find("unit");
     if (written != nullptr) {
@@ -407,12 +410,15 @@ class RigBuilder {
 
   /// Rewires every reader of slot `old` to slot `now`.
   void Replace(int old, int now) {
-    for (const auto& block : continuous_) std::replace(block->inputs.begin(), block->inputs.end(), old, now);
+    for (const auto* list : {&continuous_, &discrete_}) {
+      for (const auto& block : *list) std::replace(block->inputs.begin(), block->inputs.end(), old, now);
+    }
     for (auto& [name, slot] : slot_of_) {
       if (slot == old) slot = now;
     }
     for (InputLine& line : rig_->inputs) {
       if (line.command == old) line.command = line.delayed = now;
+      if (line.from == old) line.from = now;
     }
   }
 

@@ -13,6 +13,8 @@
 
 namespace dynoproof {
 
+inline constexpr std::size_t kMaxControlInputs = 64;
+
 /// One component in its place.
 struct Block {
   std::string name;  // "plant", "input.T_airgap.actuator.0", "control.speed"
@@ -27,12 +29,13 @@ struct Block {
   int states() const { return static_cast<int>(component->layout().states.size()); }
 };
 
-/// A driven input: source or control -> held command -> delay -> actuator stages (blocks) -> plant.
+/// A driven input: source or control -> held command -> delay -> actuator stages (blocks) -> plant. Which inertias a
+/// torque then acts on is the plant's matter (plugins/plant/drive_line: AddTorque).
 struct InputLine {
   std::string name, unit, description;
   double nominal = 1.0;
   std::unique_ptr<Component> source;  // null: `from`
-  int from = -1;                      // slot that is sampled at each tick, or -1
+  int from = -1;                      // slot of `from = "block.port"`: sampled at each tick unless `continuous`; or -1
   int command = -1;                   // slot; written at ticks unless `continuous`
   int delayed = -1;                   // slot behind the pure delay; equals `command` without one
   bool continuous = false;            // driven by a continuous part: `command` is that part's own slot

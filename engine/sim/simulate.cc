@@ -39,8 +39,8 @@ void Simulation::TakeSamples() {
 void Simulation::TickControls() {
   for (const Block& block : rig_.controls) {
     if (frame_.time < block.offset || (frame_.time - block.offset) % block.period != 0) continue;
-    double inputs[64];
-    const std::size_t count = std::min<std::size_t>(block.inputs.size(), 64);
+    double inputs[kMaxControlInputs];
+    const std::size_t count = block.inputs.size();
     for (std::size_t i = 0; i < count; ++i) inputs[i] = frame_.signals[block.inputs[i]];
     const std::span<double> states = std::span(frame_.control_states).subspan(block.first_state, block.states());
     const std::span<int> modes =

@@ -97,6 +97,51 @@ TEST_F(Data, ComesBackByRateWithoutATimeColumn) {
   EXPECT_EQ(Run({"--map", "map.toml"}).exit, 0);
 }
 
+/// A step of no whole nanoseconds, and time stamps rounded to microseconds: every sample must act in its own period.
+TEST_F(Data, ComesBackAtAnAwkwardRate) {
+  ASSERT_EQ(bench_
+                .Call({"run", "line.toml", "--set", "run.period_s=0.001638405", "--set", "run.duration_s=1.638405",
+                       "--set", "input.T_airgap.source.amplitude=50.0"})
+                .exit,
+            0);
+  const auto trace = trace::ReadTrace(bench_ / "out/line.h5");
+  ASSERT_TRUE(trace.ok());
+  for (std::size_t c = 1; c < columns_.size(); ++c) columns_[c].values = trace->Find(columns_[c].name)->values;
+  columns_[0].values.clear();
+  for (std::size_t i = 0; i < trace->time.size(); ++i) {
+    columns_[0].values.push_back(std::round(1e6 * static_cast<double>(i) / 610.35) * 1e-6);
+  }
+  Write();
+  const Outcome rounded = Run();
+  EXPECT_EQ(rounded.exit, 0) << rounded.Both();
+  // What is left is that the outputs are compared at the rounded stamps: some 1e-3 of a sample.
+  EXPECT_LT(Scenario()["figures"]["omega_1.nrmse"]["value"], 1e-2);
+  columns_.erase(columns_.begin());
+  Write();
+  bench_.Write("map.toml",
+               "time = { rate_hz = 610.35 }\n[input.T_airgap]\ncolumn = \"T_airgap\"\n[output.omega_1]\ncolumn = "
+               "\"omega_1\"\n");
+  const Outcome exact = Run({"--map", "map.toml"});
+  EXPECT_EQ(exact.exit, 0) << exact.Both();
+  EXPECT_LT(Scenario()["figures"]["omega_1.nrmse"]["value"], 1e-3);
+}
+
+TEST_F(Data, MustHaveEveryOutputThatTheScenarioLimits) {
+  bench_.Write("line.toml", Bench::kLine + std::string("\n[record]\nnrmse = { T_shaft = 0.1, omega_1 = 0.1 }\n"));
+  columns_.pop_back();
+  Write();
+  const Outcome run = Run();
+  EXPECT_EQ(run.exit, 1) << run.Both();
+  EXPECT_THAT(run.out, HasSubstr("the record does not have it"));
+}
+
+TEST_F(Data, SaysHowLongTheRunLasts) {
+  Write();
+  const Outcome run = Run({"--set", "run.duration_s=0.01"});
+  EXPECT_EQ(run.exit, 2) << run.Both();
+  EXPECT_THAT(run.err, HasSubstr("rows"));
+}
+
 TEST_F(Data, ComesBackFromATraceAsRecord) {
   ASSERT_EQ(
       bench_.Call({"run", "line.toml", "--set", "input.T_airgap.source.amplitude=50.0", "--out", "measured"}).exit, 0);

@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
+
+#include "tests/support/temp_dir.h"
 
 namespace dynoproof {
 namespace {
@@ -77,6 +81,42 @@ TEST(Golden, AMissingFileIsAFailedCheckWithTheWayOut) {
   ASSERT_EQ(checks.size(), 1u);
   EXPECT_EQ(checks[0].verdict, score::Verdict::kFail);
   EXPECT_THAT(checks[0].explanation, HasSubstr("dynoproof bless no/such_scenario"));
+}
+
+/// Golden files of a folder of the test's own.
+class GoldenFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"scenarios", "golden"}) std::filesystem::create_directories(folder_ / name);
+    setenv("DYNOPROOF_SCENARIOS", (folder_ / "scenarios").c_str(), 1);
+  }
+  void TearDown() override { unsetenv("DYNOPROOF_SCENARIOS"); }
+  test::TempDir folder_;
+};
+
+TEST_F(GoldenFiles, KnowTheRunsLengthAndCost) {
+  trace::Trace run = Sine();
+  run.provenance.Set("solver", "reference");
+  run.provenance.SetCounter("solver_steps", 1000);
+  ASSERT_FALSE(WriteGolden("sine", run, "test"));
+  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass);
+
+  trace::Trace shorter = Sine(19'999);  // a sample that the thinned golden trace does not hold
+  shorter.provenance = run.provenance;
+  EXPECT_EQ(score::Combine(CompareWithGolden("sine", shorter)), score::Verdict::kFail);
+  run.provenance.SetCounter("solver_steps", 1090);
+  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass);
+  run.provenance.SetCounter("solver_steps", 1110);
+  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kFail);
+  run.provenance.Set("solver", "realtime");
+  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass) << "other counters, nothing to say";
+}
+
+TEST_F(GoldenFiles, AFaultyToleranceFileIsNotOverwritten) {
+  const std::string file =
+      folder_.Write("golden/sine.toml", "[signal.T]\nrelative_width = 1e-3\norigin = \"mine\"\nwidht = 1\n");
+  EXPECT_TRUE(WriteGolden("sine", Sine(), "test"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "golden/sine.h5"));
 }
 
 }  // namespace

@@ -40,5 +40,17 @@ TEST(Ledger, ReproducedClaimsTurnWhenTheFigureMoves) {
   }
 }
 
+TEST(Ledger, AFigureInAnotherUnitIsAFault) {
+  for (Claim claim : Shipped()) {
+    if (claim.expect != "reproduced") continue;
+    claim.unit = claim.unit == "Pa" ? "K" : "Pa";
+    const ClaimResult result = Reproduce(testing::BuiltIns(), claim);
+    EXPECT_FALSE(result.as_expected);
+    EXPECT_NE(result.fault, "");
+    return;
+  }
+  FAIL() << "nothing was tried";
+}
+
 }  // namespace
 }  // namespace dynoproof

@@ -67,6 +67,21 @@ TEST(Include, LaterFilesWinAndTheFileItselfWinsLast) {
   EXPECT_EQ(plan->root.Find("include"), nullptr);
 }
 
+TEST(Include, EffectsAndChecksAddUp) {
+  const test::TempDir folder;
+  folder.Write("_one.toml", "[[effect]]\nname = \"a\"\n[[check]]\nkind = \"x\"\n");
+  folder.Write("_two.toml", "[[check]]\nkind = \"y\"\n");
+  Diagnostics diagnostics;
+  const auto plan = LoadPlan(
+      folder.Write("s.toml", "include = [\"_one.toml\", \"_two.toml\"]\n[[effect]]\nname = \"b\"\n"), {}, diagnostics);
+  ASSERT_TRUE(plan) << diagnostics.Format();
+  ASSERT_EQ(plan->root.Find("effect")->array().size(), 2u);
+  EXPECT_EQ(plan->root.FindPath("effect.0.name")->string(), "a");
+  EXPECT_EQ(plan->root.FindPath("effect.1.name")->string(), "b");
+  ASSERT_EQ(plan->root.Find("check")->array().size(), 2u);
+  EXPECT_EQ(plan->root.FindPath("check.1.kind")->string(), "y");
+}
+
 TEST(Include, IsRelativeToTheFileThatNamesIt) {
   const test::TempDir folder;
   std::filesystem::create_directories(folder / "deep/er");
