@@ -73,20 +73,61 @@ nlohmann::json ToJson(const std::vector<ParamInfo>& parameters) {
   return list;
 }
 
+/// The ports of a component as it is when every number that must be given is 1; null where that makes none: its ports
+/// then depend on what is given.
+std::unique_ptr<Component> Sample(const Registry& registry, const PluginInfo& plugin) {
+  if (plugin.kind == "law") return nullptr;
+  Value table{{"type", plugin.name}};
+  for (const ParamInfo& one : plugin.parameters) {
+    if (one.fallback.empty() && one.type == "number") table[one.name] = Value(1.0);
+    if (one.fallback.empty() && one.type == "integer") table[one.name] = Value(std::int64_t{1});
+  }
+  Diagnostics ignored;
+  BuildContext context{registry, ignored, plugin.name, {}};
+  std::unique_ptr<Component> component = registry.MakeComponent(plugin.kind, table, context);
+  return ignored.has_errors() ? nullptr : std::move(component);
+}
+
+/// Inputs, outputs and states of a plugin with their units.
+std::string DescribePorts(const Registry& registry, const PluginInfo& plugin, nlohmann::json& ports) {
+  if (plugin.kind == "law") {
+    return "ports\n  in     twist, rate         of the two nodes it joins\n  out    torque              on both\n";
+  }
+  if (plugin.kind == "source") return "ports\n  out    out                 in the unit of the input it drives\n";
+  const std::unique_ptr<Component> component = Sample(registry, plugin);
+  if (component == nullptr) {
+    return "ports\n  they depend on the parameters: `dynoproof describe SCENARIO` lists those of a scenario\n";
+  }
+  std::string text = "ports\n";
+  const Layout& layout = component->layout();
+  for (const auto& [what, list] :
+       {std::pair("in", &layout.inputs), std::pair("out", &layout.outputs), std::pair("state", &layout.states)}) {
+    ports[what] = nlohmann::json::array();
+    for (const Port& port : *list) {
+      text += fmt::format("  {:<6} {:<19} {}\n", what, port.name, port.unit);
+      ports[what].push_back({{"name", port.name}, {"unit", port.unit}});
+    }
+  }
+  return text;
+}
+
 /// Plugins and check kinds of that name ("chirp" or "source.chirp"), as text and JSON; empty when there are none.
 std::string DescribePlugins(const Registry& registry, const std::string& name, nlohmann::json& document) {
   std::string text;
   for (const PluginInfo* plugin : registry.Plugins()) {
     const std::string full = plugin->kind + "." + plugin->name;
     if (name != plugin->name && name != full) continue;
-    text += fmt::format("{}: {}\n\nlaw     {}\nsource  {}\n\nparameters (type, unit, range, default)\n{}\n", full,
-                        plugin->summary, plugin->law, plugin->source, ParameterTable(plugin->parameters));
+    nlohmann::json ports = nlohmann::json::object();
+    text += fmt::format("{}: {}\n\nlaw     {}\nsource  {}\n\nparameters (type, unit, range, default)\n{}\n{}\n", full,
+                        plugin->summary, plugin->law, plugin->source, ParameterTable(plugin->parameters),
+                        DescribePorts(registry, *plugin, ports));
     document["plugins"].push_back({{"kind", plugin->kind},
                                    {"name", plugin->name},
                                    {"summary", plugin->summary},
                                    {"law", plugin->law},
                                    {"source", plugin->source},
-                                   {"parameters", ToJson(plugin->parameters)}});
+                                   {"parameters", ToJson(plugin->parameters)},
+                                   {"ports", ports}});
   }
   for (const CheckKindInfo& kind : CheckKinds()) {
     if (name != kind.name && name != "check." + kind.name) continue;
@@ -145,7 +186,18 @@ std::string DescribeScenario(const Registry& registry, const std::string& file, 
     if (!names.empty()) text += fmt::format("  {:<22} {}\n", effect->info().name, fmt::join(names, ", "));
     places[effect->info().name] = names;
   }
-  document["scenarios"].push_back({{"id", prepared->plan.id}, {"title", prepared->title}, {"places", places}});
+  const auto lines = [](const auto& list) {
+    nlohmann::json json = nlohmann::json::array();
+    for (const auto& line : list) {
+      json.push_back({{"name", line.name}, {"unit", line.unit}, {"description", line.description}});
+    }
+    return json;
+  };
+  document["scenarios"].push_back({{"id", prepared->plan.id},
+                                   {"title", prepared->title},
+                                   {"inputs", lines(prepared->rig->inputs)},
+                                   {"outputs", lines(prepared->rig->outputs)},
+                                   {"places", places}});
   return text;
 }
 
