@@ -7,8 +7,9 @@
 namespace dynoproof {
 namespace {
 
-const std::vector<std::string> kTopLevel = {"title", "source", "include",  "run",   "plant",  "part",  "control",
-                                            "input", "output", "analysis", "check", "effect", "record"};
+const std::vector<std::string> kTopLevel = {"title", "source",  "include", "run",     "plant",
+                                            "part",  "control", "input",   "output",  "analysis",
+                                            "check", "effect",  "record",  "variant", "prediction_window_s"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {

@@ -33,6 +33,7 @@ struct RunSettings {
   struct Realtime {
     int substeps = 4;            // of a period, where nonlinear laws or parts exist
     int corrections = 2;         // sweeps of the implicit correction in a substep
+    int part_corrections = 0;    // of these sweeps, those that carry the nonlinear parts anew; 0: all
     double keep_below_Hz = 0.0;  // 0: all modes; else faster modes are replaced by their static gain
     void Visit(auto& v);
   } realtime;
@@ -92,6 +93,8 @@ void RunSettings::Reference::Visit(auto& v) {
 void RunSettings::Realtime::Visit(auto& v) {
   v.Optional("substeps", substeps, Between(1, 1000), "substeps of a period where something is nonlinear");
   v.Optional("corrections", corrections, Between(1, 20), "sweeps of the implicit correction in a substep");
+  v.Optional("part_corrections", part_corrections, Between(0, 20),
+             "sweeps that carry the nonlinear parts anew; 0: all of them");
   v.Optional("keep_below_Hz", keep_below_Hz, NonNegative(), "replace faster modes by their static gain; 0 keeps all");
 }
 

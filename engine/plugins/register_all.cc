@@ -2,15 +2,19 @@
 #include "model/registry.h"
 #include "plugins/actuator/linear_stages/linear_stages.h"
 #include "plugins/actuator/static_stages/static_stages.h"
+#include "plugins/control/machine_control/machine_control.h"
+#include "plugins/effect/contact_changes.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
 #include "plugins/effect/stage_effects.h"
 #include "plugins/effect/structure_changes.h"
+#include "plugins/law/backlash/backlash.h"
 #include "plugins/law/dahl/dahl.h"
 #include "plugins/law/dry_friction/dry_friction.h"
 #include "plugins/law/loads/loads.h"
 #include "plugins/law/springs/springs.h"
 #include "plugins/plant/drive_line/drive_line.h"
+#include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
 #include "plugins/sensor/static_stages/static_stages.h"
 #include "plugins/source/chirp/chirp.h"
@@ -32,6 +36,11 @@ void RegisterActuators(Registry& registry) {
   registry.Add<stages::Saturation>();
 }
 
+void RegisterControls(Registry& registry) {
+  registry.Add<controls::RotorFluxControl>();
+  registry.Add<controls::SpeedControl>();
+}
+
 void RegisterEffects(Registry& registry) {
   registry.Add(effects::ActuatorDeadZone());
   registry.Add(effects::ActuatorDelay());
@@ -40,12 +49,15 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::ActuatorLag());
   registry.Add(effects::ActuatorSaturation());
   registry.Add(effects::AsymmetricFriction());
+  registry.Add(effects::BacklashEffect());
   registry.Add(effects::ConstantLoad());
+  registry.Add(effects::ContactFreeDamping());
   registry.Add(effects::CoulombFriction());
   registry.Add(effects::CubicStiffness());
   registry.Add(effects::DahlFriction());
   registry.Add(effects::DampingChange());
   registry.Add(effects::DistributedInertia());
+  registry.Add(effects::GapChange());
   registry.Add(effects::InertiaChange());
   registry.Add(effects::QuadraticDrag());
   registry.Add(effects::SensorDelay());
@@ -67,6 +79,13 @@ void RegisterLaws(Registry& registry) {
   registry.Add<laws::Coulomb>();
   registry.Add<laws::CubicSpring>();
   registry.Add<laws::Dahl>();
+  registry.Add<laws::DampedDeadZone>();
+  registry.Add<laws::DampedPhasePlane>();
+  registry.Add<laws::DampedRevisedDeadZone>();
+  registry.Add<laws::DeadZone>();
+  registry.Add<laws::FullStateBacklash>();
+  registry.Add<laws::PhasePlane>();
+  registry.Add<laws::RevisedDeadZone>();
   registry.Add<laws::QuadraticDrag>();
   registry.Add<laws::Ripple>();
   registry.Add<laws::SpringDamperLaw>();
@@ -74,7 +93,10 @@ void RegisterLaws(Registry& registry) {
   registry.Add<laws::Viscous>();
 }
 
-void RegisterPlants(Registry& registry) { registry.Add<DriveLine>(); }
+void RegisterPlants(Registry& registry) {
+  registry.Add<DriveLine>();
+  registry.Add<InductionMachine>();
+}
 
 void RegisterSensors(Registry& registry) {
   registry.Add<stages::AsSensor<stages::Delay>>();
@@ -104,6 +126,7 @@ void RegisterSources(Registry& registry) {
 
 void RegisterBuiltIns(Registry& registry) {
   RegisterActuators(registry);
+  RegisterControls(registry);
   RegisterEffects(registry);
   RegisterLaws(registry);
   RegisterPlants(registry);

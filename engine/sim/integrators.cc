@@ -133,8 +133,9 @@ class ExplicitIntegrator final : public SundialsIntegrator {
     return memory_ != nullptr && ARKStepSetErrHandlerFn(memory_, Silence, nullptr) == 0 &&
            ARKStepSetUserData(memory_, &problem_) == 0 &&
            ARKStepSetTableNum(memory_, ARKODE_DIRK_NONE, ARKODE_VERNER_8_5_6) == 0 &&
-           // Only the search for roots looks between steps; degree 1 is exact at their ends.
-           ARKStepSetInterpolantDegree(memory_, problem_.guard_count > 0 ? 3 : 1) == 0 &&
+           // Only the search for roots looks between steps; degree 1 is exact at their ends. The state at a root is the
+           // interpolant's: degree 3 would cost more than the steps' own tolerance.
+           ARKStepSetInterpolantDegree(memory_, problem_.guard_count > 0 ? 5 : 1) == 0 &&
            ARKStepSVtolerances(memory_, problem_.relative_tolerance, tolerance_.get()) == 0 &&
            ARKStepSetMaxNumSteps(memory_, 1'000'000) == 0 &&
            (problem_.max_step_s == 0.0 || ARKStepSetMaxStep(memory_, problem_.max_step_s) == 0) &&

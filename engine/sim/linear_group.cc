@@ -161,8 +161,9 @@ LinearGroup Join(const Rig& rig, const Roles& roles, bool promote, bool& reacts_
       }
     }
     for (const Channel& channel : part.channels) {
-      group.channels.push_back(
-          {channel, block.first_state + channel.state_offset, block.first_mode + channel.mode_offset});
+      group.channels.push_back({channel, block.first_state + channel.state_offset,
+                                block.first_mode + channel.mode_offset,
+                                channel.law->layout().modes > 0 && !channel.law->sticks()});
     }
     next_channel += own_channels;
   }

@@ -27,6 +27,7 @@ struct LinearGroup {
   struct JoinedChannel {
     Channel channel;
     int state, mode;  // in the frame
+    bool switches;    // has modes and does not stick
   };
   std::vector<JoinedChannel> channels;
   /// x and p for the states of a frame.

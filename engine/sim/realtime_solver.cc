@@ -2,7 +2,9 @@
 // something is nonlinear, an interval is cut into equal substeps; in each, the nonlinear laws and parts are taken to
 // change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
 // (second order). Friction that may stick is held over the substep at the value that stops the motion at its end, or
-// slips (time stepping with the set-valued law: no events, no chatter). Nothing is allocated in a step.
+// slips (time stepping with the set-valued law: no events, no chatter). A law with modes that do not stick (contact)
+// may change its mode once in a substep, at the zero of its guard: its torque, which jumps there, enters with its right
+// mean and first moment. Nothing is allocated in a step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,6 +42,10 @@ class RealtimeSolver : public Solver {
 
   Status Start(Frame& frame) override {
     StartBlocks(rig_, frame);
+    return Resume(frame);
+  }
+
+  Status Resume(Frame& frame) override {
     Eigen::VectorXd x, p;
     group_.FromStates(frame.states, x, p);
     frame.solver.assign(form_.state_size() + group_.channels.size(), 0.0);
@@ -48,10 +54,12 @@ class RealtimeSolver : public Solver {
     Outputs(frame, v0_, y0_);
     for (std::size_t e = 0; e < group_.channels.size(); ++e) {
       if (!Law_(e).sticks()) {
-        Torque(frame)[e] = BeyondLinear(e, 0.0, y0_, OwnStates(frame, e));
+        const LawView view{Seconds(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
+                           OwnStates(frame, e), OwnModes(frame, e)};
+        Torque(frame)[e] = BeyondLinear(e, view);
       } else if (const double rate = Rate(y0_, e); rate != 0.0) {
-        Torque(frame)[e] =
-            Law_(e).SlipTorque({0.0, Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}}, rate > 0.0 ? 1 : -1);
+        Torque(frame)[e] = Law_(e).SlipTorque({Seconds(frame.time), Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}},
+                                              rate > 0.0 ? 1 : -1);
       }
     }
     return {};
@@ -106,6 +114,8 @@ class RealtimeSolver : public Solver {
     for (auto* vector : {&y0_, &y_free_, &y_}) vector->assign(r, 0.0);
     saved_.assign(form_.state_size(), 0.0);
     states_.assign(rig.state_ports.size(), 0.0);
+    modes_.assign(rig.modes, 0);
+    ends_.assign(group_.channels.size(), 0.0);
     for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
   }
 
@@ -146,17 +156,104 @@ class RealtimeSolver : public Solver {
   double Rate(const std::vector<double>& y, std::size_t e) const { return y[group_.writes.size() + 2 * e + 1]; }
 
   double BeyondLinear(std::size_t e, double time_s, const std::vector<double>& y, std::span<const double> own) const {
+    return BeyondLinear(e, {time_s, Twist(y, e), Rate(y, e), 0.0, own, {}});
+  }
+  double BeyondLinear(std::size_t e, const LawView& view) const {
     const SpringDamper& linear = group_.channels[e].channel.linear;
-    const LawView view{time_s, Twist(y, e), Rate(y, e), 0.0, own, {}};
     return Law_(e).Torque(view) - linear.stiffness * view.twist - linear.damping * view.rate;
   }
+
+  /// True for a law whose torque may jump with its mode: the time of the jump is found within the substep.
+  bool Switches(std::size_t e) const { return group_.channels[e].switches; }
+  std::span<int> OwnModes(Frame& frame, std::size_t e) const { return OwnModes(frame.modes, e); }
+  std::span<int> OwnModes(std::vector<int>& modes, std::size_t e) const {
+    return {modes.data() + group_.channels[e].mode, static_cast<std::size_t>(Law_(e).layout().modes)};
+  }
+
+  /// A law between y0_ (s = 0) and y_ (s = 1) of a substep of length h: the twist by its cubic, the rate straight.
+  LawView Between(std::size_t e, double time_s, double h, double s, std::span<const double> own,
+                  std::span<const int> modes) const {
+    const double d0 = Twist(y0_, e), d1 = Twist(y_, e), w0 = Rate(y0_, e), w1 = Rate(y_, e), r = 1.0 - s;
+    return {time_s + s * h,
+            r * r * (1.0 + 2.0 * s) * d0 + s * s * (3.0 - 2.0 * s) * d1 + s * r * h * (r * w0 - s * w1),
+            w0 + s * (w1 - w0),
+            0.0,
+            own,
+            modes};
+  }
+
+  /// Carries the states of a law that switches from s0 to s1 of the substep (Runge-Kutta 4) in its present mode.
+  void AdvanceSwitching(std::size_t e, double time_s, double h, double s0, double s1, std::span<double> own,
+                        std::span<const int> modes) const {
+    const std::size_t n = own.size();
+    if (n == 0) return;
+    assert(n <= kMostLawStates);
+    double k[4][kMostLawStates], x[kMostLawStates];
+    const double weight[4] = {0.0, 0.5, 0.5, 1.0}, length = (s1 - s0) * h;
+    for (int stage = 0; stage < 4; ++stage) {
+      const double share = weight[stage];
+      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + (stage == 0 ? 0.0 : share * length * k[stage - 1][i]);
+      Law_(e).Derivative(Between(e, time_s, h, s0 + share * (s1 - s0), {x, n}, modes), {k[stage], n});
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      own[i] += length / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+    }
+  }
+
+  /// The torque of a law with modes over the substep: straight from begin to end, or in two straight pieces around the
+  /// event. `held` and `ramp` give the straight line of the same mean and first moment; returns the torque at the end.
+  double Switch(std::size_t e, double time_s, double h, double begin, std::span<double> own, std::span<int> modes,
+                double& held, double& ramp) {
+    assert(own.size() <= kMostLawStates);
+    double saved[kMostLawStates];
+    const Law& law = Law_(e);
+    const auto restore = [&] { std::copy_n(saved, own.size(), own.begin()); };
+    std::copy(own.begin(), own.end(), saved);
+    double guard[2];
+    law.Guards(Between(e, time_s, h, 0.0, own, modes), {&guard[0], 1});
+    AdvanceSwitching(e, time_s, h, 0.0, 1.0, own, modes);
+    law.Guards(Between(e, time_s, h, 1.0, own, modes), {&guard[1], 1});
+    if (guard[0] > 0.0 && guard[1] > 0.0) {
+      const double end = BeyondLinear(e, Between(e, time_s, h, 1.0, own, modes));
+      held = begin;
+      ramp = end - begin;
+      return end;
+    }
+    // The zero of the guard by false position, bracketed; the guard is smooth within a mode.
+    double low = 0.0, high = 1.0, at = guard[0] <= 0.0 ? 0.0 : guard[0] / (guard[0] - guard[1]);
+    for (int i = 0; i < 3 && at > 0.0; ++i) {
+      restore();
+      AdvanceSwitching(e, time_s, h, 0.0, at, own, modes);
+      double value = 0.0;
+      law.Guards(Between(e, time_s, h, at, own, modes), {&value, 1});
+      (value > 0.0 ? low : high) = at;
+      guard[value > 0.0 ? 0 : 1] = value;
+      at = low + (high - low) * guard[0] / (guard[0] - guard[1]);
+    }
+    restore();
+    AdvanceSwitching(e, time_s, h, 0.0, at, own, modes);
+    const LawView event = Between(e, time_s, h, at, own, modes);
+    const double before = BeyondLinear(e, event);
+    law.OnEvent(event, 0, own, modes);
+    const double after = BeyondLinear(e, Between(e, time_s, h, at, own, modes));
+    AdvanceSwitching(e, time_s, h, at, 1.0, own, modes);
+    const double end = BeyondLinear(e, Between(e, time_s, h, 1.0, own, modes)), rest = 1.0 - at;
+    // Mean and first moment about the middle of [begin, before] on [0, at] and [after, end] on [at, 1].
+    const double mean = 0.5 * (at * (begin + before) + rest * (after + end));
+    const double moment = at * at * (begin / 6.0 + before / 3.0) - 0.25 * at * (begin + before) +
+                          rest * (0.5 * (at - 0.5) * (after + end) + rest * (after / 6.0 + end / 3.0));
+    ramp = 12.0 * moment;
+    held = mean - 0.5 * ramp;
+    return end;
+  }
+
+  static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
 
   /// Carries a law's own states over a substep along the straight line between twists and rates y0_ and y_.
   void AdvanceLaw(std::size_t e, double time_s, double h, std::span<double> own) {
     const std::size_t n = own.size();
-    constexpr std::size_t kMost = 8;  // more states than any law of the field has
-    assert(n <= kMost);
-    double k[4][kMost], x[kMost];
+    assert(n <= kMostLawStates);
+    double k[4][kMostLawStates], x[kMostLawStates];
     const double weight[4] = {0.0, 0.5, 0.5, 1.0};
     for (int stage = 0; stage < 4; ++stage) {
       const double s = weight[stage];
@@ -190,13 +287,15 @@ class RealtimeSolver : public Solver {
     ReadInputs(frame, v0_);
     std::copy(state.begin(), state.end(), saved_.begin());
     std::copy(frame.states.begin(), frame.states.end(), states_.begin());
+    std::copy(frame.modes.begin(), frame.modes.end(), modes_.begin());
     step.propagator.Advance(state, v0_);
     step.propagator.Output(state, v0_, y_free_);
     y_ = y_free_;
     std::fill(ramp_.begin(), ramp_.end(), 0.0);
     held_ = v0_;
     for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
-      if (!roles_.nonlinear.empty()) {
+      if (!roles_.nonlinear.empty() &&
+          (rig_.run.realtime.part_corrections == 0 || sweep < rig_.run.realtime.part_corrections)) {
         AdvanceParts(frame, time_s, step.length_s);
         for (std::size_t i = 0; i < reads; ++i) {
           if (!group_.read_is_held[i]) ramp_[i] = frame.signals[group_.reads[i]] - v0_[i];
@@ -206,6 +305,14 @@ class RealtimeSolver : public Solver {
       for (std::size_t e = 0; e < channels; ++e) {
         std::copy_n(states_.begin() + group_.channels[e].state, Law_(e).layout().states.size(),
                     OwnStates(frame, e).begin());
+        if (Switches(e)) {
+          const std::size_t column = reads + e;
+          std::copy_n(modes_.begin() + group_.channels[e].mode, Law_(e).layout().modes, OwnModes(frame, e).begin());
+          ends_[e] = Switch(e, time_s, step.length_s, v0_[column], OwnStates(frame, e), OwnModes(frame, e),
+                            held_[column], ramp_[column]);
+          Correct(step.propagator);
+          continue;
+        }
         AdvanceLaw(e, time_s, step.length_s, OwnStates(frame, e));
         const std::size_t column = reads + e;
         if (Law_(e).sticks()) {
@@ -220,7 +327,7 @@ class RealtimeSolver : public Solver {
     std::copy(saved_.begin(), saved_.end(), state.begin());
     step.propagator.AdvanceRamp(state, held_, ramp_);
     for (std::size_t i = 0; i < m; ++i) held_[i] += ramp_[i];
-    for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = held_[reads + e];
+    for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = Switches(e) ? ends_[e] : held_[reads + e];
   }
 
   /// y_ for the present held_ and ramp_.
@@ -273,7 +380,8 @@ class RealtimeSolver : public Solver {
   std::string summary_;
   std::int64_t periods_ = 0, substeps_ = 0;
   // Scratch memory of a step: inputs at its beginning, held and straight parts of their course; outputs.
-  std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_;
+  std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_, ends_;
+  std::vector<int> modes_;
   mechanics::AlignedVector saved_;
   std::vector<double> stages_[4];
 };

@@ -43,6 +43,13 @@ class ReferenceSolver : public Solver {
     return {};
   }
 
+  Status Resume(Frame& frame) override {
+    modes_ = frame.modes;
+    signals_ = frame.signals;
+    RememberGuards(frame, Seconds(frame.time));
+    return {};
+  }
+
   Status Advance(Frame& frame, int index) override {
     const Interval& interval = rig_.intervals[index];
     const double period_s = Seconds(rig_.period);

@@ -18,6 +18,8 @@ class Solver {
 
   /// States and modes at t = 0 for the signals that are held now.
   virtual Status Start(Frame& frame) = 0;
+  /// Goes on from the states, modes and held signals that a frame of the other solver brought, at frame.time.
+  virtual Status Resume(Frame& frame) = 0;
   /// Carries the states over interval `index` of the period that begins at frame.time.
   virtual Status Advance(Frame& frame, int index) = 0;
   /// Writes every continuous signal at the present states, for the instant `time_s`.

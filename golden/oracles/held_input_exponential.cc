@@ -95,6 +95,7 @@ Line ReadLine(const Value& scenario, const std::vector<std::string>& inputs) {
       line.fault = fmt::format("shaft \"{}\" has the law {}", name, law->string());
       continue;
     }
+    if (Number(shaft, "initial_twist_rad", 0.0) != 0.0) line.fault = fmt::format("shaft \"{}\" starts twisted", name);
     const std::vector<std::string> between = Names(*shaft.Find("between"));
     const Line::Shaft one{End(line, between[0], true), End(line, between[1], false),
                           Number(shaft, "stiffness_Nm_per_rad", 0), Number(shaft, "damping_Nms_per_rad", 0)};
@@ -225,7 +226,8 @@ Result<Answer> HeldInputExponential(const Question& question) {
 }
 
 const std::map<std::string, Oracle, std::less<>>& All() {
-  static const std::map<std::string, Oracle, std::less<>> oracles = {{"held_input_exponential", HeldInputExponential}};
+  static const std::map<std::string, Oracle, std::less<>> oracles = {{"held_input_exponential", HeldInputExponential},
+                                                                     {"piecewise_exponential", PiecewiseExponential}};
   return oracles;
 }
 

@@ -37,6 +37,9 @@ const std::map<std::string, std::vector<std::string>> kContract = {
     {"distributed_inertia", {"I", "k_rotor", "c_rotor"}},
     {"series_elasticity", {"k", "c"}},
     {"cubic_stiffness", {"k3"}},
+    {"backlash", {"a"}},
+    {"gap_change", {"delta"}},
+    {"contact_free_damping", {"c_f"}},
     {"actuator_lag", {"tau"}},
     {"actuator_delay", {"t_d"}},
     {"actuator_gain", {"g"}},
@@ -52,7 +55,7 @@ const std::map<std::string, std::vector<std::string>> kContract = {
 };
 
 // Plans on which each of these effects has a place between them.
-std::vector<Plan> SamplePlans() { return {testing::LumpedPlan(), testing::SoftPlan()}; }
+std::vector<Plan> SamplePlans() { return {testing::LumpedPlan(), testing::SoftPlan(), testing::PlayPlan()}; }
 
 std::vector<double> Starts(const Effect& effect) {
   std::vector<double> values;
@@ -221,7 +224,8 @@ TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
         const LawView view{0.0, RandomNormal(5, 0, i), 100 * RandomNormal(5, 1, i), RandomNormal(5, 2, i), {}, {}};
         EXPECT_EQ(TorqueOf(*load, view), 0.0);
       }
-    } else if (effect.info().name == "cubic_stiffness") {
+    } else if (std::set<std::string>{"backlash", "contact_free_damping", "cubic_stiffness"}.contains(
+                   effect.info().name)) {
       for (std::uint64_t i = 0; i < 50; ++i) {
         const LawView view{0.0, 0.01 * RandomNormal(5, 0, i), RandomNormal(5, 1, i), 0.0, {}, {}};
         EXPECT_EQ(TorqueOf(*shaft, view), TorqueOf(*plan.root.FindPath("plant.shaft." + place.name), view));

@@ -64,5 +64,17 @@ TEST(RealtimeHeap, NonlinearLawsStagesAndDelays) {
   EXPECT_EQ(AllocationsOfAHundredPeriods(plan), 0);
 }
 
+TEST(RealtimeHeap, ContactsInAGap) {
+  for (const char* law : {"phase_plane", "full_state_backlash"}) {
+    Plan plan = PlayPlan();
+    plan.root["plant"]["shaft"]["k2"]["law"] = Value(law);
+    plan.root["plant"]["shaft"]["k2"]["half_gap_rad"] = Value(2e-3);
+    if (std::string_view(law) == "full_state_backlash") {
+      plan.root["plant"]["shaft"]["k2"]["contact_free_damping_Nms_per_rad"] = Value(0.1);
+    }
+    EXPECT_EQ(AllocationsOfAHundredPeriods(plan), 0) << law;  // the first contact is at 5 ms
+  }
+}
+
 }  // namespace
 }  // namespace dynoproof::testing

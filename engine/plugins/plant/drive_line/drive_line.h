@@ -56,7 +56,8 @@ class DriveLine : public Component {
     void Visit(auto& v) {
       v.Optional("rotor", rotor, Any(), "soft rotors by name");
       v.Optional("inertia", inertia, Positive("kg m^2"), "lumped inertias by name");
-      v.Optional("shaft", shaft, Any(), "shafts by name: between = [a, b], law (spring_damper) and its parameters");
+      v.Optional("shaft", shaft, Any(),
+                 "shafts by name: between = [a, b], law (spring_damper) and its parameters, initial_twist_rad");
       v.Optional("load", load, Any(), "laws to the ground by name: on = inertia or rotor, law and its parameters");
       v.Optional("torque", torque, Any(), "torque entries (inputs) by name");
       v.Optional("run", run, Any(), "runs of lumps by name, places for distributed_inertia");
@@ -129,6 +130,7 @@ class DriveLine : public Component {
   std::vector<std::vector<std::pair<int, double>>> inputs_;  // torque weights of each input
   std::vector<Reading> readings_;
   double initial_speed_ = 0.0;
+  std::vector<double> initial_angles_;  // of every node, relative to the first
   std::unique_ptr<LinearPart> linear_part_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -33,6 +34,8 @@ class DriveLineBuilder {
     if (bodies_.empty())
       Fault(table_.where(), "the drive line has no inertia", "add [plant.inertia] or [plant.rotor.NAME]");
     if (context_.diagnostics.error_count() == before) CheckConnected();
+    if (context_.diagnostics.error_count() != before) return nullptr;
+    AddInitialAngles();
     if (context_.diagnostics.error_count() != before) return nullptr;
     AddStates();
     AddOutputs();
@@ -145,7 +148,7 @@ class DriveLineBuilder {
     const Value* between = table.Find("between");
     const bool pair = between != nullptr && between->is_array() && between->array().size() == 2 &&
                       between->array()[0].is_string() && between->array()[1].is_string();
-    std::unique_ptr<Law> law = MakeLaw(name, table, {"between"}, "spring_damper");
+    std::unique_ptr<Law> law = MakeLaw(name, table, {"between", "initial_twist_rad"}, "spring_damper");
     if (!pair) {
       Fault(between != nullptr ? between->where() : table.where(),
             fmt::format("shaft \"{}\" does not say what it joins", name), "write between = [\"I1\", \"I2\"]");
@@ -159,6 +162,13 @@ class DriveLineBuilder {
             "name two inertias");
       return;
     }
+    const Value* twist = table.Find("initial_twist_rad");
+    if (twist != nullptr && !(twist->is_number() && std::isfinite(twist->number()))) {
+      Fault(twist->where(), fmt::format("initial_twist_rad of shaft \"{}\" is no finite number", name),
+            "the twist at t = 0 in rad");
+      return;
+    }
+    initial_twists_.push_back({from, to, twist != nullptr ? twist->number() : 0.0, &table});
     const SpringDamper linear = law->linear();
     const int edge = AddEdge(name, from, to, linear, law->linearised(), 1.0);
     named_edges_.push_back({name, {edge}, true, IsLinear(*law)});
@@ -266,6 +276,37 @@ class DriveLineBuilder {
     }
   }
 
+  /// From the twists at t = 0 to angles relative to node 0; slices of a rotor start without twist. Shafts that close a
+  /// circle must agree with the others.
+  void AddInitialAngles() {
+    const int n = line_->linear_.size();
+    for (const auto& [name, body] : bodies_) {
+      for (int i = body.first + 1; i < body.first + body.count; ++i)
+        initial_twists_.push_back({i - 1, i, 0.0, nullptr});
+    }
+    std::vector<double>& angles = line_->initial_angles_;
+    angles.assign(n, std::numeric_limits<double>::quiet_NaN());
+    angles[0] = 0.0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const InitialTwist& one : initial_twists_) {
+        const bool from_known = !std::isnan(angles[one.from]), to_known = !std::isnan(angles[one.to]);
+        if (from_known == to_known) continue;
+        if (from_known) angles[one.to] = angles[one.from] - one.twist_rad;
+        if (to_known) angles[one.from] = angles[one.to] + one.twist_rad;
+        changed = true;
+      }
+    }
+    for (const InitialTwist& one : initial_twists_) {
+      const double seen = angles[one.from] - angles[one.to];
+      if (one.table == nullptr || std::abs(seen - one.twist_rad) <= 1e-9 * (std::abs(seen) + std::abs(one.twist_rad))) {
+        continue;
+      }
+      Fault(one.table->where(), "initial_twist_rad does not fit the other shafts of the circle",
+            "twists around a circle add up to zero");
+    }
+  }
+
   void AddStates() {
     Layout& layout = line_->layout_;
     const auto& nodes = line_->linear_.nodes;
@@ -340,6 +381,12 @@ class DriveLineBuilder {
     }
   }
 
+  struct InitialTwist {
+    int from, to;
+    double twist_rad;
+    const Value* table;  // of the shaft; null: within a rotor
+  };
+
   struct NamedEdges {
     std::string name;
     std::vector<int> edges;
@@ -352,6 +399,7 @@ class DriveLineBuilder {
   std::unique_ptr<DriveLine> line_;
   std::map<std::string, Body> bodies_;
   std::vector<NamedEdges> named_edges_;
+  std::vector<InitialTwist> initial_twists_;
 };
 
 void DriveLine::ReportMore(const Params& params, const Value& table, BuildContext& context) {

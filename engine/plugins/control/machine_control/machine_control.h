@@ -1,0 +1,65 @@
+// Controllers of an induction machine: `rotor_flux_control` (flux, currents, averaged PWM) and `speed_control`.
+#pragma once
+
+#include "model/component.h"
+#include "model/registry.h"
+#include "plugins/plant/induction_machine/rating.h"
+
+namespace dynoproof::controls {
+
+/// Torque control oriented to the rotor flux. Inputs: torque [N m] set point, i_alpha, i_beta [A], speed [rad/s].
+/// Outputs: u_alpha, u_beta [V], computed one tick before they are given (time to compute); torque [N m], the
+/// controller's own estimate; i_q_set [A]. What it does and how it is tuned: README.md.
+class RotorFluxControl : public Component {
+ public:
+  struct Params : Rating {
+    double current_bandwidth_Hz = 300.0, flux_bandwidth_Hz = 5.0, dc_link_V = 565.0, overload = 2.0;
+    double initial_torque_Nm = 0.0;
+    void Visit(auto& v) {
+      Rating::Visit(v);
+      v.Optional("current_bandwidth_Hz", current_bandwidth_Hz, Between(1.0, 2000.0, "Hz"),
+                 "of the current controllers");
+      v.Optional("flux_bandwidth_Hz", flux_bandwidth_Hz, Between(0.1, 100.0, "Hz"), "of the flux controller");
+      v.Optional("dc_link_V", dc_link_V, Positive("V"), "voltage of the inverter's DC link");
+      v.Optional("overload", overload, Between(1.0, 10.0), "largest over rated current");
+      v.Optional("initial_torque_Nm", initial_torque_Nm, Any(), "torque of the machine at t = 0");
+    }
+  };
+  static PluginInfo Info();
+  RotorFluxControl(const Params& params, const BuildContext& context);
+  void Output(const View&, std::span<double>) const override {}
+  bool FeedsThrough(int in, int out) const override { return out >= 2 && in >= 0; }
+  void Tick(const View& view, std::span<double> states, std::span<double> outputs) const override;
+
+ private:
+  enum State { kBegun, kAngle, kFlux, kIntegralD, kIntegralQ, kIntegralFlux, kNextAlpha, kNextBeta, kStates };
+  void Begin(double speed, std::span<double> states) const;
+
+  MachineModel m_;
+  double period_s_, voltage_limit_, current_limit_, gain_, reset_, flux_gain_, flux_reset_, initial_torque_;
+};
+
+/// PI controller of a speed. Inputs: set_point, speed [rad/s]. Output: torque [N m].
+class SpeedControl : public Component {
+ public:
+  struct Params {
+    double inertia_kg_m2 = 0.0, bandwidth_Hz = 5.0, reset_ratio = 0.25, torque_limit_Nm = 0.0, initial_torque_Nm = 0.0;
+    void Visit(auto& v) {
+      v.Required("inertia_kg_m2", inertia_kg_m2, Positive(), "what it moves");
+      v.Optional("bandwidth_Hz", bandwidth_Hz, Between(0.01, 500.0, "Hz"), "crossover of the loop");
+      v.Optional("reset_ratio", reset_ratio, Between(0.0, 1.0), "corner of the integral over the crossover");
+      v.Required("torque_limit_Nm", torque_limit_Nm, Positive(), "largest torque");
+      v.Optional("initial_torque_Nm", initial_torque_Nm, Any(), "torque at t = 0");
+    }
+  };
+  static PluginInfo Info();
+  SpeedControl(const Params& params, const BuildContext& context);
+  void Output(const View&, std::span<double>) const override {}
+  bool FeedsThrough(int, int) const override { return true; }
+  void Tick(const View& view, std::span<double> states, std::span<double> outputs) const override;
+
+ private:
+  double gain_, reset_, limit_, initial_torque_;
+};
+
+}  // namespace dynoproof::controls
