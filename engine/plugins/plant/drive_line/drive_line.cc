@@ -1,6 +1,7 @@
 #include "plugins/plant/drive_line/drive_line.h"
 
 #include <cassert>
+#include <cmath>
 
 #include "mechanics/energy_coordinates.h"
 
@@ -188,12 +189,12 @@ void DriveLine::Finish() {
 
 void DriveLine::BuildLinearPart() {
   const int n = linear_.size();
-  const int inputs = static_cast<int>(inputs_.size()), channels = static_cast<int>(elements_.size());
-  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, inputs + channels);
+  const int inputs = static_cast<int>(inputs_.size()), elements = static_cast<int>(elements_.size());
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, inputs + elements);
   for (int i = 0; i < inputs; ++i) {
     for (const auto& [node, weight] : inputs_[i]) weights(node, i) += weight;
   }
-  for (int e = 0; e < channels; ++e) {
+  for (int e = 0; e < elements; ++e) {
     for (const auto& [node, weight] : elements_[e].weights) weights(node, inputs + e) -= weight;
   }
   auto built = mechanics::EnergyCoordinates::Build(linear_, weights);
@@ -241,25 +242,36 @@ void DriveLine::BuildLinearPart() {
   linear_part_ = std::make_unique<LinearPart>();
   LinearPart& part = *linear_part_;
   part.system = coordinates.System(rows);
-  for (std::size_t r = 0; r < readings_.size(); ++r) {
-    if (readings_[r].element >= 0) part.system.D(r, inputs + readings_[r].element) = 1.0;
-  }
+  const Eigen::VectorXd scale = TakeUpLinearStates(part.system);
+  const int own = static_cast<int>(scale.size()), mechanical = coordinates.states();
+  const int taken = static_cast<int>(readings_.size());
+  int first_channel = 0;
   for (const Element& element : elements_) {
+    if (element.linear_states) {
+      ++first_channel;
+      continue;
+    }
     part.channels.push_back({element.law.get(), element.state, element.mode, element.mobility, element.linear});
   }
+  for (int r = 0; r < taken; ++r) {
+    if (readings_[r].element >= first_channel) part.system.D(r, inputs + readings_[r].element - first_channel) = 1.0;
+  }
 
-  // s = (relative angles, angle of node 0, speeds) <-> (x, p), column by column.
-  part.x_from_state.resize(coordinates.states(), 2 * n);
-  part.p_from_state.resize(coordinates.integrators(), 2 * n);
-  part.state_from_x.resize(2 * n, coordinates.states());
-  part.state_from_p.resize(2 * n, coordinates.integrators());
+  // s = (relative angles, angle of node 0, speeds, own states) <-> (x, p), column by column; own states differ by
+  // scale.
+  part.x_from_state.setZero(mechanical + own, 2 * n + own);
+  part.p_from_state.setZero(coordinates.integrators(), 2 * n + own);
+  part.state_from_x.setZero(2 * n + own, mechanical + own);
+  part.state_from_p.setZero(2 * n + own, coordinates.integrators());
+  part.x_from_state.bottomRightCorner(own, own) = scale.cwiseInverse().asDiagonal();
+  part.state_from_x.bottomRightCorner(own, own) = scale.asDiagonal();
   for (int j = 0; j < 2 * n; ++j) {
     Eigen::VectorXd angles = Eigen::VectorXd::Zero(n), speeds = Eigen::VectorXd::Zero(n), x, p;
     if (j < n - 1) angles[j + 1] = 1.0;
     if (j == n - 1) angles.setOnes();
     if (j >= n) speeds[j - n] = 1.0;
     coordinates.FromPhysical(angles, speeds, x, p);
-    part.x_from_state.col(j) = x;
+    part.x_from_state.col(j).head(mechanical) = x;
     part.p_from_state.col(j) = p;
   }
   const auto state = [&coordinates, n](const Eigen::VectorXd& x, const Eigen::VectorXd& p) {
@@ -273,11 +285,61 @@ void DriveLine::BuildLinearPart() {
   const Eigen::VectorXd no_x = Eigen::VectorXd::Zero(coordinates.states());
   const Eigen::VectorXd no_p = Eigen::VectorXd::Zero(coordinates.integrators());
   for (int j = 0; j < coordinates.states(); ++j) {
-    part.state_from_x.col(j) = state(Eigen::VectorXd::Unit(coordinates.states(), j), no_p);
+    part.state_from_x.col(j).head(2 * n) = state(Eigen::VectorXd::Unit(coordinates.states(), j), no_p);
   }
   for (int j = 0; j < coordinates.integrators(); ++j) {
-    part.state_from_p.col(j) = state(no_x, Eigen::VectorXd::Unit(coordinates.integrators(), j));
+    part.state_from_p.col(j).head(2 * n) = state(no_x, Eigen::VectorXd::Unit(coordinates.integrators(), j));
   }
+}
+
+Eigen::VectorXd DriveLine::TakeUpLinearStates(mechanics::LinearSystem& system) const {
+  const mechanics::LinearSystem bare = system;
+  const int inputs = static_cast<int>(inputs_.size()), readings = static_cast<int>(readings_.size());
+  int taken = 0, own = 0;
+  for (const Element& element : elements_) {
+    if (!element.linear_states) break;
+    ++taken;
+    own += static_cast<int>(element.linear_states->c.size());
+  }
+  const int n = bare.states(), channels = static_cast<int>(elements_.size()) - taken;
+  const int rows = readings + 2 * channels;
+  system.A.setZero(n + own, n + own);
+  system.A.topLeftCorner(n, n) = bare.A;
+  system.B.setZero(n + own, inputs + channels);
+  system.B.topLeftCorner(n, inputs) = bare.B.leftCols(inputs);
+  system.B.topRightCorner(n, channels) = bare.B.rightCols(channels);
+  system.P.setZero(bare.integrators(), n + own);
+  system.P.leftCols(n) = bare.P;
+  system.C.setZero(rows, n + own);
+  system.C.topLeftCorner(readings, n) = bare.C.topRows(readings);
+  system.C.bottomLeftCorner(2 * channels, n) = bare.C.bottomRows(2 * channels);
+  system.E.resize(rows, bare.integrators());
+  system.E << bare.E.topRows(readings), bare.E.bottomRows(2 * channels);
+  system.D.setZero(rows, inputs + channels);
+  Eigen::VectorXd scale(own);
+  for (int e = 0, at = n; e < taken; ++e) {
+    const LinearStates& z = *elements_[e].linear_states;
+    const auto count = static_cast<int>(z.c.size());
+    // z = s z~ with s^2 = |b_rate / c| weighs what the rate does to a state as what the state does to the rate: the
+    // squares are energies as those of x.
+    Eigen::VectorXd s(count);
+    for (int j = 0; j < count; ++j) {
+      const bool both = z.b_rate[j] != 0.0 && z.c[j] != 0.0;
+      s[j] = both ? std::sqrt(std::abs(z.b_rate[j] / z.c[j])) : elements_[e].law->layout().states[j].nominal;
+    }
+    const Eigen::RowVectorXd c = z.c * s.asDiagonal();
+    const int twist = readings + 2 * e;
+    system.A.block(at, at, count, count) = s.cwiseInverse().asDiagonal() * z.A * s.asDiagonal();
+    system.A.block(at, 0, count, n) =
+        s.cwiseInverse().asDiagonal() * (z.b_twist * bare.C.row(twist) + z.b_rate * bare.C.row(twist + 1));
+    system.A.block(0, at, n, count) = bare.B.col(inputs + e) * c;
+    for (int r = 0; r < readings; ++r) {
+      if (readings_[r].element == e) system.C.block(r, at, 1, count) = c;
+    }
+    scale.segment(at - n, count) = s;
+    at += count;
+  }
+  return scale;
 }
 
 }  // namespace dynoproof

@@ -6,7 +6,9 @@
 // <rotor>.left|right.angle|speed.
 #pragma once
 
+#include <Eigen/Dense>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,14 +89,21 @@ class DriveLine : public Component {
  private:
   friend class DriveLineBuilder;
 
+  /// A law that is linear with states z of its own: z' = A z + b_twist d + b_rate w, T = linear() + c z.
+  struct LinearStates {
+    Eigen::MatrixXd A;
+    Eigen::VectorXd b_twist, b_rate;
+    Eigen::RowVectorXd c;
+  };
   /// A law that is not just spring and damper. It acts along `weights`: twist = sum w_i phi_i, torque -w_i T on node i.
   struct Element {
     std::string name;
     std::unique_ptr<Law> law;
     SpringDamper linear;  // already in linear_
     std::vector<std::pair<int, double>> weights;
-    double mobility = 0.0;               // sum w_i^2 / I_i
-    int state = 0, mode = 0, guard = 0;  // offsets
+    double mobility = 0.0;                      // sum w_i^2 / I_i
+    int state = 0, mode = 0, guard = 0;         // offsets
+    std::optional<LinearStates> linear_states;  // goes into the linear part whole; else a channel of it
   };
   /// An output: a sum of network terms, plus what an element transmits beyond its linear part.
   struct Reading {
@@ -106,6 +115,9 @@ class DriveLine : public Component {
   /// Derives what the builder's parts imply; the last step of building.
   void Finish();
   void BuildLinearPart();
+  /// Makes the states of laws with linear states part of the system, behind its own; drops the inputs and outputs that
+  /// stood for those laws. Returns the scale of each: law's state = scale * system's.
+  Eigen::VectorXd TakeUpLinearStates(mechanics::LinearSystem& system) const;
   double Angle(std::span<const double> states, int node) const;
   double Speed(std::span<const double> states, int node) const;
   double Evaluate(const OutputTerm& term, std::span<const double> states) const;
@@ -126,7 +138,7 @@ class DriveLine : public Component {
   mechanics::Network linear_, linearised_;
   std::vector<double> inverse_inertia_;
   std::vector<Spring> springs_;    // of linear_.edges, without those that do nothing
-  std::vector<Element> elements_;  // those that stick come last: they hold what the others leave
+  std::vector<Element> elements_;  // those with linear states first; those that stick last: they hold what is left
   std::vector<std::vector<std::pair<int, double>>> inputs_;  // torque weights of each input
   std::vector<Reading> readings_;
   double initial_speed_ = 0.0;

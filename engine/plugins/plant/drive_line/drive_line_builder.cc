@@ -134,7 +134,12 @@ class DriveLineBuilder {
                   std::vector<std::pair<int, double>> weights) {
     double mobility = 0.0;
     for (const auto& [node, weight] : weights) mobility += weight * weight / line_->linear_.nodes[node].inertia;
-    line_->elements_.push_back({name, std::move(law), linear, std::move(weights), mobility});
+    std::optional<DriveLine::LinearStates> states = FindLinearStates(*law);
+    // A state that feels the twist of something that turns freely feels a rigid angle, which is no state of the system.
+    const bool held = weights.size() == 2 && weights[0].second == -weights[1].second && linear.stiffness > 0.0;
+    if (states && !held && !states->b_twist.isZero(0.0)) states.reset();
+    line_->elements_.push_back(
+        {name, std::move(law), linear, std::move(weights), mobility, 0, 0, 0, std::move(states)});
   }
 
   bool IsTable(const char* section, const std::string& name, const Value& table) {
@@ -218,6 +223,51 @@ class DriveLineBuilder {
       }
     }
     return true;
+  }
+
+  /// The matrices of a law that is linear with states of its own, found by asking it; nothing for any other law.
+  static std::optional<DriveLine::LinearStates> FindLinearStates(const Law& law) {
+    const Layout& own = law.layout();
+    const auto n = static_cast<Eigen::Index>(own.states.size());
+    if (n == 0 || own.modes > 0 || own.guards > 0 || law.sticks()) return std::nullopt;
+    struct Answer {
+      Eigen::VectorXd rates;
+      double torque;  // beyond the linear part
+    };
+    const SpringDamper linear = law.linear();
+    const auto ask = [&](double time, double twist, double rate, const Eigen::VectorXd& z) {
+      const LawView view{time, twist, rate, 0.0, {z.data(), own.states.size()}, {}};
+      Answer answer{Eigen::VectorXd::Zero(n), 0.0};
+      law.Derivative(view, {answer.rates.data(), own.states.size()});
+      answer.torque = law.Torque(view) - linear.stiffness * twist - linear.damping * rate;
+      return answer;
+    };
+    DriveLine::LinearStates found;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(n);
+    found.A.resize(n, n);
+    found.c.resize(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Answer answer = ask(0.0, 0.0, 0.0, Eigen::VectorXd::Unit(n, j));
+      found.A.col(j) = answer.rates;
+      found.c[j] = answer.torque;
+    }
+    found.b_twist = ask(0.0, 1.0, 0.0, none).rates;
+    found.b_rate = ask(0.0, 0.0, 1.0, none).rates;
+    // Points off the axes and far apart in size and time tell a linear law from any other in use.
+    for (const auto& [time, size] : {std::pair{0.0, 1.0}, {5.0, 1e-3}, {11.0, -1e3}}) {
+      Eigen::VectorXd z(n);
+      for (Eigen::Index j = 0; j < n; ++j) z[j] = size * own.states[j].nominal * (0.7 + 0.3 * static_cast<double>(j));
+      const double twist = 0.011 * size, rate = -1.3 * size;
+      const Answer answer = ask(time, twist, rate, z);
+      const Eigen::VectorXd expected = found.A * z + found.b_twist * twist + found.b_rate * rate;
+      const Eigen::VectorXd terms = found.A.cwiseAbs() * z.cwiseAbs() + found.b_twist.cwiseAbs() * std::abs(twist) +
+                                    found.b_rate.cwiseAbs() * std::abs(rate);
+      const double torque_terms =
+          found.c.cwiseAbs().dot(z.cwiseAbs()) + std::abs(linear.stiffness * twist) + std::abs(linear.damping * rate);
+      if (((answer.rates - expected).array().abs() > 1e-12 * terms.array()).any()) return std::nullopt;
+      if (std::abs(answer.torque - found.c.dot(z)) > 1e-12 * torque_terms) return std::nullopt;
+    }
+    return found;
   }
 
   void AddTorque(const std::string& name, const DriveLine::Torque& torque) {
@@ -328,8 +378,10 @@ class DriveLineBuilder {
       const double frequency = std::sqrt((stiffness[i] > 0.0 ? stiffness[i] : 1e4) / nodes[i].inertia);
       layout.states.push_back({nodes[i].name + ".speed", "rad/s", "speed", twist(i) * frequency});
     }
-    std::stable_partition(line_->elements_.begin(), line_->elements_.end(),
-                          [](const DriveLine::Element& element) { return !element.law->sticks(); });
+    std::stable_sort(line_->elements_.begin(), line_->elements_.end(), [](const auto& a, const auto& b) {
+      const auto rank = [](const DriveLine::Element& one) { return one.linear_states ? 0 : one.law->sticks() ? 2 : 1; };
+      return rank(a) < rank(b);
+    });
     for (DriveLine::Element& element : line_->elements_) {
       element.state = static_cast<int>(layout.states.size());
       element.mode = layout.modes;
