@@ -128,6 +128,10 @@ std::string UnitOfSuffix(std::string_view name) {
       {"_rad_per_s", "rad/s"},
       {"_Nm_per_s", "N m/s"},
       {"_Hz_per_s", "Hz/s"},
+      {"_Pa_per_rad", "Pa/rad"},
+      {"_m2_per_s", "m^2/s"},
+      {"_kg_per_m3", "kg/m^3"},
+      {"_per_s", "1/s"},
       {"_Nm", "N m"},
       {"_Hz", "Hz"},
       {"_rad", "rad"},
@@ -136,6 +140,7 @@ std::string UnitOfSuffix(std::string_view name) {
       {"_Pa", "Pa"},
       {"_N_per_m", "N/m"},
       {"_kg", "kg"},
+      {"_m3", "m^3"},
       {"_m", "m"},
       {"_K", "K"},
   };

@@ -4,6 +4,8 @@
 #include "plugins/actuator/static_stages/static_stages.h"
 #include "plugins/control/machine_control/machine_control.h"
 #include "plugins/effect/contact_changes.h"
+#include "plugins/control/speed_pi/speed_pi.h"
+#include "plugins/effect/coupling_effects.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
 #include "plugins/effect/stage_effects.h"
@@ -11,10 +13,12 @@
 #include "plugins/law/backlash/backlash.h"
 #include "plugins/law/dahl/dahl.h"
 #include "plugins/law/dry_friction/dry_friction.h"
+#include "plugins/law/hydrodynamic_coupling/hydrodynamic_coupling.h"
 #include "plugins/law/loads/loads.h"
 #include "plugins/law/springs/springs.h"
 #include "plugins/plant/drive_line/drive_line.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
+#include "plugins/plant/single_cylinder/single_cylinder.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
 #include "plugins/sensor/static_stages/static_stages.h"
 #include "plugins/source/chirp/chirp.h"
@@ -39,6 +43,7 @@ void RegisterActuators(Registry& registry) {
 void RegisterControls(Registry& registry) {
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedControl>();
+  registry.Add<controls::SpeedPi>();
 }
 
 void RegisterEffects(Registry& registry) {
@@ -59,6 +64,7 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::DistributedInertia());
   registry.Add(effects::GapChange());
   registry.Add(effects::InertiaChange());
+  registry.Add(effects::OilDynamics());
   registry.Add(effects::QuadraticDrag());
   registry.Add(effects::SensorDelay());
   registry.Add(effects::SensorDrift());
@@ -70,6 +76,7 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::StiffnessChange());
   registry.Add(effects::StribeckFriction());
   registry.Add(effects::TorqueRipple());
+  registry.Add(effects::ViscosityDrift());
   registry.Add(effects::ViscousFriction());
 }
 
@@ -86,6 +93,9 @@ void RegisterLaws(Registry& registry) {
   registry.Add<laws::FullStateBacklash>();
   registry.Add<laws::PhasePlane>();
   registry.Add<laws::RevisedDeadZone>();
+  registry.Add<laws::KelvinVoigt>();
+  registry.Add<laws::OilCoupling>();
+  registry.Add<laws::OilCouplingGeometry>();
   registry.Add<laws::QuadraticDrag>();
   registry.Add<laws::Ripple>();
   registry.Add<laws::SpringDamperLaw>();
@@ -96,6 +106,7 @@ void RegisterLaws(Registry& registry) {
 void RegisterPlants(Registry& registry) {
   registry.Add<DriveLine>();
   registry.Add<InductionMachine>();
+  registry.Add<SingleCylinder>();
 }
 
 void RegisterSensors(Registry& registry) {

@@ -18,7 +18,14 @@ struct Line {
   struct Shaft {
     int from, to;
     double k, c;
+    int oil = -1;
   };
+  /// What the oil of a hydrodynamic coupling adds to its spring's torque: z' = stiffness w - decay z.
+  struct Oil {
+    int from, to;
+    long double stiffness, decay;
+  };
+  std::vector<Oil> oils;
   std::map<std::string, Shaft> shafts;
   std::map<std::string, std::pair<int, int>> bodies;  // first and last node
   std::string fault;
@@ -91,14 +98,25 @@ Line ReadLine(const Value& scenario, const std::vector<std::string>& inputs) {
     }
   }
   for (const auto& [name, shaft, where] : Section(plant, "shaft").table()) {
-    if (const Value* law = shaft.Find("law"); law != nullptr && law->string() != "spring_damper") {
-      line.fault = fmt::format("shaft \"{}\" has the law {}", name, law->string());
+    const Value* law = shaft.Find("law");
+    const std::string law_name = law != nullptr ? law->string() : "spring_damper";
+    const bool oil = law_name == "oil_coupling";
+    if (!oil && law_name != "spring_damper" && law_name != "kelvin_voigt") {
+      line.fault = fmt::format("shaft \"{}\" has the law {}", name, law_name);
       continue;
     }
     if (Number(shaft, "initial_twist_rad", 0.0) != 0.0) line.fault = fmt::format("shaft \"{}\" starts twisted", name);
+    if (Number(shaft, "drift", 0.0) != 0.0) line.fault = fmt::format("shaft \"{}\" changes with time", name);
     const std::vector<std::string> between = Names(*shaft.Find("between"));
-    const Line::Shaft one{End(line, between[0], true), End(line, between[1], false),
-                          Number(shaft, "stiffness_Nm_per_rad", 0), Number(shaft, "damping_Nms_per_rad", 0)};
+    Line::Shaft one{End(line, between[0], true), End(line, between[1], false), Number(shaft, "stiffness_Nm_per_rad", 0),
+                    Number(shaft, "damping_Nms_per_rad", 0)};
+    if (oil) {
+      one.oil = static_cast<int>(line.oils.size());
+      line.oils.push_back(
+          {one.from, one.to,
+           static_cast<long double>(Number(shaft, "k_p_m3", 0)) * Number(shaft, "kappa_w_Pa_per_rad", 0),
+           Number(shaft, "kappa_p_per_s", 0)});
+    }
     AddSpring(line, one.from, one.to, one.k, one.c);
     line.shafts[name] = one;
   }
@@ -139,11 +157,11 @@ Line ReadLine(const Value& scenario, const std::vector<std::string>& inputs) {
   return line;
 }
 
-/// The row over (angle of node 0, angles of the others relative to it, speeds) of "plant.k4.torque",
+/// The row over (angle of node 0, angles of the others relative to it, speeds, torques of oils) of "plant.k4.torque",
 /// "plant.I1.left.speed", ...; a fault when it is none of these.
 Eigen::VectorXd OutputRow(const Line& line, const std::string& of, std::string& fault) {
   const auto n = static_cast<Eigen::Index>(line.inertia.size());
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(2 * n);
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(2 * n + static_cast<Eigen::Index>(line.oils.size()));
   const std::size_t first = of.find('.'), last = of.rfind('.');
   const std::string name = last > first ? of.substr(first + 1, last - first - 1) : "", quantity = of.substr(last + 1);
   if (const auto shaft = line.shafts.find(name); shaft != line.shafts.end()) {
@@ -153,6 +171,7 @@ Eigen::VectorXd OutputRow(const Line& line, const std::string& of, std::string& 
     if (shaft->second.to > 0) row[shaft->second.to] = -k;
     row[n + shaft->second.from] = c;
     row[n + shaft->second.to] = -c;
+    if (shaft->second.oil >= 0 && quantity == "torque") row[2 * n + shaft->second.oil] = 1.0;
   } else if (line.bodies.contains(name.substr(0, name.find('.')))) {
     row[(quantity == "speed" ? n : 0) + End(line, name, false)] = 1.0;
     if (quantity == "angle") row[0] = 1.0;
@@ -179,6 +198,7 @@ Result<Answer> HeldInputExponential(const Question& question) {
   const Line line = ReadLine(question.scenario, names);
   if (!line.fault.empty()) return refuse(line.fault);
   const auto n = static_cast<Eigen::Index>(line.inertia.size()), m = line.W.cols();
+  const auto oils = static_cast<Eigen::Index>(line.oils.size()), states = 2 * n + oils;
   std::vector<Eigen::VectorXd> rows;
   for (const std::string& name : question.outputs) {
     const Value& output = *Section(question.scenario, "output").Find(name);
@@ -198,29 +218,40 @@ Result<Answer> HeldInputExponential(const Question& question) {
   const long double period = question.time.size() > 1 ? (question.time.back() - question.time.front()) /
                                                             static_cast<long double>(question.time.size() - 1)
                                                       : 1.0L;
-  Matrix generator = Matrix::Zero(2 * n + m, 2 * n + m);
+  Matrix generator = Matrix::Zero(states + m, states + m);
   generator.block(0, n, n, n).diagonal().setConstant(scale);
   generator.block(1, n, n - 1, 1).setConstant(-scale);
   generator.block(n, 1, n, n - 1) = -(inverse.asDiagonal() * line.K).rightCols(n - 1) / scale;
   generator.block(n, n, n, n) = -(inverse.asDiagonal() * line.C);
-  generator.block(n, 2 * n, n, m) = inverse.asDiagonal() * line.W;
+  generator.block(n, states, n, m) = inverse.asDiagonal() * line.W;
+  std::vector<long double> unit;  // of each oil's torque: what a speed of 1 rad/s and its inertia would make of it
+  for (Eigen::Index j = 0; j < oils; ++j) {
+    const Line::Oil& oil = line.oils[j];
+    unit.push_back(std::sqrt(oil.stiffness * std::min(line.inertia[oil.from], line.inertia[oil.to])));
+    generator(2 * n + j, 2 * n + j) = -oil.decay;
+    generator(2 * n + j, n + oil.from) = oil.stiffness / unit[j];
+    generator(2 * n + j, n + oil.to) = -oil.stiffness / unit[j];
+    generator(n + oil.from, 2 * n + j) = -unit[j] * inverse[oil.from];
+    generator(n + oil.to, 2 * n + j) = unit[j] * inverse[oil.to];
+  }
   const Matrix exponential = (generator * period).eval().exp();
-  const Eigen::MatrixXd step = exponential.topRows(2 * n).cast<double>();
+  const Eigen::MatrixXd step = exponential.topRows(states).cast<double>();
 
   const std::size_t ticks = question.time.size();
   Answer answer;
   std::vector<std::vector<double>*> columns;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     rows[r].head(n) /= static_cast<double>(scale);
+    for (Eigen::Index j = 0; j < oils; ++j) rows[r][2 * n + j] *= static_cast<double>(unit[j]);
     columns.push_back(&answer[question.outputs[r]]);
     columns.back()->reserve(ticks);
   }
-  Eigen::VectorXd extended = Eigen::VectorXd::Zero(2 * n + m), next(2 * n);
+  Eigen::VectorXd extended = Eigen::VectorXd::Zero(states + m), next(states);
   for (std::size_t k = 0; k < ticks; ++k) {
-    for (std::size_t r = 0; r < rows.size(); ++r) columns[r]->push_back(rows[r].dot(extended.head(2 * n)));
-    for (Eigen::Index j = 0; j < m; ++j) extended[2 * n + j] = question.inputs.at(names[j])[k];
+    for (std::size_t r = 0; r < rows.size(); ++r) columns[r]->push_back(rows[r].dot(extended.head(states)));
+    for (Eigen::Index j = 0; j < m; ++j) extended[states + j] = question.inputs.at(names[j])[k];
     next.noalias() = step * extended;
-    extended.head(2 * n) = next;
+    extended.head(states) = next;
   }
   return answer;
 }

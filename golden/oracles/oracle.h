@@ -23,7 +23,8 @@ using Answer = std::map<std::string, std::vector<double>>;
 
 /// A linear drive line with held inputs, solved exactly: one matrix exponential in extended precision for the period,
 /// then a dense recursion in relative angles and speeds. Fails (exit code 2) when the scenario has anything else in it:
-/// laws other than spring and damper or viscous loads, actuator or sensor stages, further parts.
+/// laws other than spring and damper, hydrodynamic couplings or viscous loads, actuator or sensor stages, further
+/// parts.
 Result<Answer> HeldInputExponential(const Question& question);
 
 /// A drive line with exactly one shaft with play of a law that is linear between changes of contact (dead_zone,

@@ -40,6 +40,8 @@ const std::map<std::string, std::vector<std::string>> kContract = {
     {"backlash", {"a"}},
     {"gap_change", {"delta"}},
     {"contact_free_damping", {"c_f"}},
+    {"oil_dynamics", {"k_s", "kappa_p", "k_p_kappa_w"}},
+    {"viscosity_drift", {"delta", "tau"}},
     {"actuator_lag", {"tau"}},
     {"actuator_delay", {"t_d"}},
     {"actuator_gain", {"g"}},
@@ -55,7 +57,9 @@ const std::map<std::string, std::vector<std::string>> kContract = {
 };
 
 // Plans on which each of these effects has a place between them.
-std::vector<Plan> SamplePlans() { return {testing::LumpedPlan(), testing::SoftPlan(), testing::PlayPlan()}; }
+std::vector<Plan> SamplePlans() {
+  return {testing::LumpedPlan(), testing::SoftPlan(), testing::PlayPlan(), testing::CouplingPlan()};
+}
 
 std::vector<double> Starts(const Effect& effect) {
   std::vector<double> values;
@@ -210,8 +214,10 @@ double TorqueOf(const Value& table, const LawView& seen) {
 }
 
 TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
-  // A split joint is rigid in the limit only, a run of lumps is no rotor at any value: tests/plugins/effects_test.cc.
-  const std::set<std::string> no_neutral = {"series_elasticity", "distributed_inertia", "sensor_rectified"};
+  // A split joint is rigid in the limit only, a run of lumps is no rotor at any value, oil moves at every value:
+  // tests/plugins/effects_test.cc.
+  const std::set<std::string> no_neutral = {"series_elasticity", "distributed_inertia", "oil_dynamics",
+                                            "sensor_rectified"};
   ForEachUse([&](const Effect& effect, const Plan& plan, const Place& place) {
     if (no_neutral.contains(effect.info().name)) return;
     Plan neutral = plan;
@@ -224,10 +230,11 @@ TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
         const LawView view{0.0, RandomNormal(5, 0, i), 100 * RandomNormal(5, 1, i), RandomNormal(5, 2, i), {}, {}};
         EXPECT_EQ(TorqueOf(*load, view), 0.0);
       }
-    } else if (std::set<std::string>{"backlash", "contact_free_damping", "cubic_stiffness"}.contains(
+    } else if (std::set<std::string>{"backlash", "contact_free_damping", "cubic_stiffness", "viscosity_drift"}.contains(
                    effect.info().name)) {
       for (std::uint64_t i = 0; i < 50; ++i) {
-        const LawView view{0.0, 0.01 * RandomNormal(5, 0, i), RandomNormal(5, 1, i), 0.0, {}, {}};
+        const LawView view{
+            0.1 * static_cast<double>(i), 0.01 * RandomNormal(5, 0, i), RandomNormal(5, 1, i), 0.0, {}, {}};
         EXPECT_EQ(TorqueOf(*shaft, view), TorqueOf(*plan.root.FindPath("plant.shaft." + place.name), view));
       }
     } else if (place.kind == "input" || place.kind == "output") {

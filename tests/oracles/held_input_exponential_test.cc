@@ -59,6 +59,39 @@ TEST(HeldInputExponential, PulseLeavesItsMomentum) {
   EXPECT_NEAR(answer->at("T_shaft").back(), 0.0, 1e-9);
 }
 
+/// Oil that flows at once is a damper, closed-in oil a spring: the two ends between which the oracle must lie. And the
+/// torque that oil holds back must fade: a lasting torque is carried by the spring alone.
+TEST(HeldInputExponential, CouplingsEndInSpringsAndDampers) {
+  const std::vector<double> time = Ticks(5000), torque(5000, 100.0);
+  const auto solve = [&](const Value& shaft) {
+    Value scenario = TwoMass(0.0);
+    scenario["plant"]["shaft"]["k"] = shaft;
+    const Result<Answer> answer = HeldInputExponential({scenario, time, {{"T", torque}}, {"T_shaft"}});
+    EXPECT_TRUE(answer.ok());
+    return answer.ok() ? answer->at("T_shaft") : std::vector<double>(5000, NAN);
+  };
+  const auto oil = [](double kappa, double K) {
+    Value shaft = Shaft("I1", "I2", 8e5, 0.0);
+    shaft.Erase("damping_Nms_per_rad");
+    shaft["law"] = Value("oil_coupling");
+    shaft["k_p_m3"] = Value(0.5);
+    shaft["kappa_w_Pa_per_rad"] = Value(2.0 * K);
+    shaft["kappa_p_per_s"] = Value(kappa);
+    return shaft;
+  };
+  Value kelvin_voigt = Shaft("I1", "I2", 8e5, 100.0);
+  kelvin_voigt["law"] = Value("kelvin_voigt");
+  const std::vector<double> damper = solve(kelvin_voigt), plain = solve(Shaft("I1", "I2", 8e5, 100.0));
+  const std::vector<double> flowing = solve(oil(1e8, 1e10)), spring = solve(Shaft("I1", "I2", 1.1e6, 0.0)),
+                            closed = solve(oil(1e-6, 3e5));
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    ASSERT_EQ(damper[k], plain[k]);
+    ASSERT_NEAR(flowing[k], damper[k], 40.0 * 1e-4);  // nu / kappa_p = 1400 / 1e8, times some
+    ASSERT_NEAR(closed[k], spring[k], 40.0 * 1e-5);   // kappa_p t = 5e-7, times the phase that it turns: 700 rad
+  }
+  EXPECT_NEAR(solve(oil(2000.0, 3e5)).back(), 100.0 * 0.5 / 2.5, 1e-6);
+}
+
 TEST(HeldInputExponential, RefusesWhatItDoesNotKnow) {
   const std::vector<double> time = Ticks(10), torque(10, 1.0);
   const auto refusal = [&](const Value& scenario, const char* output) -> std::string {
@@ -68,6 +101,10 @@ TEST(HeldInputExponential, RefusesWhatItDoesNotKnow) {
   Value cubic = TwoMass(0.0);
   cubic["plant"]["shaft"]["k"]["law"] = Value("cubic_spring");
   EXPECT_NE(refusal(cubic, "T_shaft").find("law cubic_spring"), std::string::npos);
+  Value drifting = TwoMass(5.0);
+  drifting["plant"]["shaft"]["k"]["law"] = Value("kelvin_voigt");
+  drifting["plant"]["shaft"]["k"]["drift"] = Value(0.5);
+  EXPECT_NE(refusal(drifting, "T_shaft").find("changes with time"), std::string::npos);
   Value loaded = TwoMass(0.0);
   loaded["plant"]["load"]["f"] = Value{{"on", "I2"}, {"law", "coulomb"}, {"T_c_Nm", 1.0}};
   EXPECT_NE(refusal(loaded, "T_shaft").find("coulomb"), std::string::npos);

@@ -82,6 +82,20 @@ inline Plan PlayPlan() {
                        {"T", Value{{"of", "plant.k2.torque"}}}}}});
 }
 
+/// Two inertias joined by a Kelvin-Voigt coupling (thesis Table 4.1, all on either side lumped).
+inline Plan CouplingPlan() {
+  Value coupling = Shaft("A", "B", 94e3, 618.0);
+  coupling["law"] = Value("kelvin_voigt");
+  return PlanOf(Value{
+      {"run", Value{{"duration_s", 1.0}}},
+      {"plant", Value{{"type", "drive_line"},
+                      {"inertia", Value{{"A", 17.68}, {"B", 597.7}}},
+                      {"shaft", Value{{"coupling", std::move(coupling)}}},
+                      {"torque", Value{{"T_c", Value{{"on", "A"}}}}}}},
+      {"input", Value{{"T_c", Value{{"to", "plant.T_c"}, {"source", Value{{"type", "constant"}, {"value", 1000.0}}}}}}},
+      {"output", Value{{"T", Value{{"of", "plant.coupling.torque"}}}, {"w_A", Value{{"of", "plant.A.speed"}}}}}});
+}
+
 /// A plan without any mechanics.
 inline Plan PressurePlan() {
   return PlanOf(Value{{"plant", Value{{"type", "charge_air"}, {"inertia", Value{{"I1", 1.0}}}}}});
