@@ -51,6 +51,7 @@ void AddExamples(CLI::App& command, const std::string& examples);
 /// Each adds its subcommand; `exit` is set by the one that runs.
 void AddRun(CLI::App& program, int& exit);
 void AddModes(CLI::App& program, int& exit);
+void AddCoupling(CLI::App& program, int& exit);
 void AddList(CLI::App& program, int& exit);
 void AddDescribe(CLI::App& program, int& exit);
 void AddValidate(CLI::App& program, int& exit);

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   int exit = app::kGood;
   app::AddRun(program, exit);
   app::AddModes(program, exit);
+  app::AddCoupling(program, exit);
   app::AddReproduce(program, exit);
   app::AddCompare(program, exit);
   app::AddBless(program, exit);

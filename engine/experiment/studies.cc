@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "experiment/analysis.h"
+#include "experiment/coupling_studies.h"
 #include "experiment/prepare.h"
 #include "mechanics/descriptions.h"
 #include "mechanics/distributed.h"
@@ -315,6 +316,12 @@ Result<Figure> TwoMassDistance(const Registry&, const Value&) {
 const std::map<std::string, Study, std::less<>>& Studies() {
   static const std::map<std::string, Study, std::less<>> studies = {
       {"closed_loop_identity", ClosedLoopIdentity},
+      {"coupling_chamber_angle", CouplingChamberAngle},
+      {"coupling_frequency", CouplingFrequency},
+      {"coupling_lever", CouplingLever},
+      {"coupling_peak", CouplingPeak},
+      {"coupling_rivals", CouplingRivals},
+      {"coupling_steady", CouplingSteady},
       {"inertia_sum", InertiaSum},
       {"mode_frequency", ModeFrequency},
       {"unstable_at_bound", UnstableAtBound},

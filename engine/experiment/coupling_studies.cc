@@ -1,0 +1,189 @@
+#include "experiment/coupling_studies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/check_kinds.h"
+#include "experiment/coupling.h"
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+#include "score/nrmse.h"
+#include "sim/solver.h"
+
+namespace dynoproof {
+namespace {
+
+constexpr const char* kShaft = "coupling";
+
+Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
+
+Result<double> Number(const Value& parameters, const char* key) {
+  const Value* value = parameters.Find(key);
+  if (value == nullptr || !value->is_number()) return Wrong(fmt::format("needs a number \"{}\"", key));
+  return value->number();
+}
+
+std::string Text(const Value& parameters, const char* key) {
+  const Value* value = parameters.Find(key);
+  return value != nullptr && value->is_string() ? value->string() : "";
+}
+
+/// The scenario of that id, with the shaft's table replaced (what it joins stays) when `coupling` is given.
+Result<std::unique_ptr<Prepared>> Load(const Registry& registry, const std::string& id,
+                                       const Value* coupling = nullptr) {
+  if (id.empty()) return Wrong("needs a \"scenario\"");
+  Diagnostics diagnostics;
+  std::unique_ptr<Prepared> prepared;
+  for (const std::string& file : FindScenarios(id, diagnostics)) {
+    std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
+    if (!plan) break;
+    if (coupling != nullptr) {
+      Value* shaft = plan->root.FindPath(std::string("plant.shaft.") + kShaft);
+      if (shaft == nullptr || shaft->Find("between") == nullptr) return Wrong(id + " has no shaft \"coupling\"");
+      Value other = *coupling;
+      other["between"] = *shaft->Find("between");
+      *shaft = std::move(other);
+    }
+    prepared = Prepare(std::move(*plan), {}, registry, diagnostics);
+  }
+  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  return prepared;
+}
+
+Result<Samples> Run(const Rig& rig) {
+  const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
+  return solver.ok() ? Simulate(rig, **solver) : Result<Samples>(solver.failure());
+}
+
+Result<Value> ShaftOf(const Registry& registry, const Value& parameters) {
+  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  if (!prepared.ok()) return prepared.failure();
+  const Value* shaft = (*prepared)->plan.root.FindPath(std::string("plant.shaft.") + kShaft);
+  return shaft != nullptr ? Result<Value>(*shaft) : Wrong("the scenario has no shaft \"coupling\"");
+}
+
+}  // namespace
+
+Result<Figure> CouplingSteady(const Registry& registry, const Value& parameters) {
+  const Result<Value> shaft = ShaftOf(registry, parameters);
+  if (!shaft.ok()) return shaft.failure();
+  const Result<double> nu = Number(parameters, "nu");
+  if (!nu.ok()) return nu.failure();
+  const std::optional<mechanics::DynamicValues> values = SteadyValues(*shaft, *nu);
+  if (!values) return Wrong("the coupling's law has no steady values");
+  if (Text(parameters, "quantity") == "stiffness") return Figure{values->stiffness, "N m/rad"};
+  if (Text(parameters, "quantity") == "damping") return Figure{values->damping, "N m s/rad"};
+  return Wrong("quantity is \"stiffness\" or \"damping\"");
+}
+
+Result<Figure> CouplingFrequency(const Registry& registry, const Value& parameters) {
+  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  if (!prepared.ok()) return prepared.failure();
+  const Result<double> stiffness = Number(parameters, "static_stiffness");
+  if (!stiffness.ok()) return stiffness.failure();
+  const Block* plant = (*prepared)->rig->FindBlock("plant");
+  if (plant == nullptr || plant->component->network() == nullptr) return Wrong("the plant is no drive line");
+  const Result<CouplingChoice> choice = ChooseCouplingMode(*plant->component->network(), kShaft, *stiffness);
+  if (!choice.ok()) return choice.failure();
+  return Figure{choice->nu_0, "rad/s"};
+}
+
+Result<Figure> CouplingLever(const Registry&, const Value& parameters) {
+  const mechanics::OilCouplingGeometry g{.segments = 12,
+                                         .width = 0.125,
+                                         .length = 0.08,
+                                         .inner_radius = 0.11,
+                                         .chamber_volume = 3e-4,
+                                         .gap_height = 1.6e-3,
+                                         .gap_length = 0.03,
+                                         .bulk_modulus = 1e6,
+                                         .density = 870.0,
+                                         .kinematic_viscosity = 50e-6,
+                                         .spring = 78e3};
+  const double derived = mechanics::FromGeometry(g).k_p;
+  const std::string form = Text(parameters, "form");
+  if (form == "printed") {
+    return Figure{g.segments * g.width * (0.5 * g.length * g.length + 2.0 * g.length * g.inner_radius) / derived, "1"};
+  }
+  if (form == "integral") {  // of the printed integrand w (r + y) dy by Simpson's rule, exact for it
+    const auto arm = [&g](double y) { return g.inner_radius + y; };
+    const double integral = g.length / 6.0 * (arm(0.0) + 4.0 * arm(0.5 * g.length) + arm(g.length));
+    return Figure{g.segments * g.width * integral / derived, "1"};
+  }
+  if (form == "power") {  // T_H w = N Dp dV/dt with (4.18)
+    return Figure{g.segments * g.side_area() * g.lever() / derived, "1"};
+  }
+  return Wrong("form is \"integral\", \"printed\" or \"power\"");
+}
+
+Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& parameters) {
+  const Result<Value> shaft = ShaftOf(registry, parameters);
+  if (!shaft.ok()) return shaft.failure();
+  const Result<double> beta = Number(parameters, "bulk_modulus"), kappa_w = Number(*shaft, "kappa_w_Pa_per_rad");
+  if (!beta.ok()) return beta.failure();
+  if (!kappa_w.ok()) return kappa_w.failure();
+  // kappa_w = 2 beta A (r + l/2) / V_0, and V_0 / (A (r + l/2)) is the angle over which a chamber reaches.
+  return Figure{2.0 * *beta / *kappa_w, "rad"};
+}
+
+Result<Figure> CouplingPeak(const Registry& registry, const Value& parameters) {
+  const auto figure = [&](const std::string& id) -> Result<Figure> {
+    const auto prepared = Load(registry, id);
+    if (!prepared.ok()) return prepared.failure();
+    const Result<Samples> samples = Run(*(*prepared)->rig);
+    if (!samples.ok()) return samples.failure();
+    CheckContext context((*prepared)->plan, *(*prepared)->rig, *samples, (*prepared)->rig->run.solver);
+    for (const Value& table : (*prepared)->plan.root.Find("check")->array()) {
+      if (Text(table, "kind") != "peak") continue;
+      PeakCheck::Params params;
+      Diagnostics diagnostics;
+      if (!ReadParams(table, params, diagnostics, "check.peak", {"kind"})) return Wrong(diagnostics.Format());
+      PeakCheck(params).Run(context);
+    }
+    const auto found = context.figures.find(Text(parameters, "figure"));
+    if (found == context.figures.end()) return Wrong(fmt::format("{} has no figure of that name", id));
+    return found->second;
+  };
+  const Result<Figure> own = figure(Text(parameters, "scenario"));
+  if (!own.ok() || Text(parameters, "over").empty()) return own;
+  const Result<Figure> over = figure(Text(parameters, "over"));
+  if (!over.ok()) return over;
+  return Figure{own->value / over->value, "1"};
+}
+
+Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters) {
+  const std::string signal = Text(parameters, "signal");
+  const Value *first = parameters.Find("first"), *second = parameters.Find("second"),
+              *during = parameters.Find("during_s");
+  if (first == nullptr || second == nullptr) return Wrong("needs the couplings \"first\" and \"second\"");
+  const bool stretch = during != nullptr && during->is_array() && during->array().size() == 2 &&
+                       during->array()[0].is_number() && during->array()[1].is_number();
+  std::vector<double> courses[3];
+  int next = 0;
+  for (const Value* coupling : {static_cast<const Value*>(nullptr), first, second}) {
+    const auto prepared = Load(registry, Text(parameters, "scenario"), coupling);
+    if (!prepared.ok()) return prepared.failure();
+    const Result<Samples> samples = Run(*(*prepared)->rig);
+    if (!samples.ok()) return samples.failure();
+    const score::Series series = SeriesOf(*samples, *(*prepared)->rig, signal);
+    if (series.values.empty()) return Wrong(fmt::format("there is no signal \"{}\"", signal));
+    for (std::size_t i = 0; i < series.values.size(); ++i) {
+      const double t = series.time_s[i];
+      if (stretch && (t < during->array()[0].number() || t > during->array()[1].number())) continue;
+      courses[next].push_back(series.values[i]);
+    }
+    ++next;
+  }
+  double error[2] = {0.0, 0.0};
+  for (int which = 0; which < 2; ++which) {
+    for (std::size_t i = 0; i < courses[0].size(); ++i) {
+      error[which] += std::pow(courses[1 + which].at(i) - courses[0][i], 2);
+    }
+  }
+  if (!(error[1] > 0.0)) return Wrong("the second coupling does not differ from the scenario's");
+  return Figure{std::sqrt(error[0] / error[1]), "1"};  // both divided by the same spread
+}
+
+}  // namespace dynoproof
