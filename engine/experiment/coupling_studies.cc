@@ -85,7 +85,16 @@ Result<Figure> CouplingFrequency(const Registry& registry, const Value& paramete
   if (!stiffness.ok()) return stiffness.failure();
   const Block* plant = (*prepared)->rig->FindBlock("plant");
   if (plant == nullptr || plant->component->network() == nullptr) return Wrong("the plant is no drive line");
-  const Result<CouplingChoice> choice = ChooseCouplingMode(*plant->component->network(), kShaft, *stiffness);
+  mechanics::Network network = *plant->component->network();
+  const std::string shaft = Text(parameters, "shaft").empty() ? kShaft : Text(parameters, "shaft");
+  if (shaft != kShaft) {  // the coupling somewhere else, a stiff shaft in its place
+    const Result<double> rigid = Number(parameters, "rigid_stiffness");
+    if (!rigid.ok()) return rigid.failure();
+    const int edge = network.FindEdge(kShaft);
+    if (edge < 0) return Wrong("the scenario has no shaft \"coupling\"");
+    network.edges[edge].stiffness = *rigid;
+  }
+  const Result<CouplingChoice> choice = ChooseCouplingMode(network, shaft, *stiffness);
   if (!choice.ok()) return choice.failure();
   return Figure{choice->nu_0, "rad/s"};
 }
@@ -116,6 +125,28 @@ Result<Figure> CouplingLever(const Registry&, const Value& parameters) {
     return Figure{g.segments * g.side_area() * g.lever() / derived, "1"};
   }
   return Wrong("form is \"integral\", \"printed\" or \"power\"");
+}
+
+Result<Figure> CouplingReynolds(const Registry&, const Value& parameters) {
+  const Result<double> velocity = Number(parameters, "velocity"), height = Number(parameters, "gap_height"),
+                       width = Number(parameters, "width"), viscosity = Number(parameters, "viscosity");
+  for (const Result<double>* number : {&velocity, &height, &width, &viscosity}) {
+    if (!number->ok()) return number->failure();
+  }
+  // Of a segment that displaces so much oil that it flows at this velocity.
+  mechanics::OilCouplingGeometry g{.segments = 1,
+                                   .width = *width,
+                                   .length = 0.08,
+                                   .inner_radius = 0.11,
+                                   .chamber_volume = 3e-4,
+                                   .gap_height = *height,
+                                   .gap_length = 0.03,
+                                   .bulk_modulus = 1e6,
+                                   .density = 870.0,
+                                   .kinematic_viscosity = *viscosity,
+                                   .spring = 78e3};
+  const double rate = *velocity * g.width * g.gap_height / (g.side_area() * g.lever());
+  return Figure{CheckValidity(g, 0.0, rate).reynolds, "1"};
 }
 
 Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& parameters) {

@@ -320,6 +320,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"coupling_frequency", CouplingFrequency},
       {"coupling_lever", CouplingLever},
       {"coupling_peak", CouplingPeak},
+      {"coupling_reynolds", CouplingReynolds},
       {"coupling_rivals", CouplingRivals},
       {"coupling_steady", CouplingSteady},
       {"inertia_sum", InertiaSum},
