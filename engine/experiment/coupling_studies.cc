@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
 
 #include "experiment/check_kinds.h"
 #include "experiment/coupling.h"
@@ -182,6 +186,48 @@ Result<Figure> CouplingPeak(const Registry& registry, const Value& parameters) {
   const Result<Figure> over = figure(Text(parameters, "over"));
   if (!over.ok()) return over;
   return Figure{own->value / over->value, "1"};
+}
+
+Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& parameters) {
+  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  if (!prepared.ok()) return prepared.failure();
+  const Value& root = (*prepared)->plan.root;
+  const auto at = [&root](const std::string& path) {
+    const Value* value = root.FindPath(path);
+    return value != nullptr && value->is_number() ? value->number() : std::nan("");
+  };
+  mechanics::Network network = *(*prepared)->rig->FindBlock("plant")->component->network();
+  const int edge = network.FindEdge(kShaft);
+  if (edge < 0) return Wrong("the scenario has no shaft \"coupling\"");
+  const int left = network.edges[edge].from;
+  network.edges[edge].stiffness = network.edges[edge].damping = 0.0;
+  const std::vector<int> parts = network.Parts();
+  double I_a = 0.0, I_b = 0.0;  // what stands on the dynamometer's side, what on the engine's
+  for (int i = 0; i < network.size(); ++i) (parts[i] == parts[left] ? I_a : I_b) += network.nodes[i].inertia;
+  const std::string shaft = std::string("plant.shaft.") + kShaft + ".";
+  const bool oil = root.FindPath(shaft + "k_p_m3") != nullptr;
+  const double k = at(shaft + "stiffness_Nm_per_rad"), c = oil ? 0.0 : at(shaft + "damping_Nms_per_rad");
+  const double K = oil ? at(shaft + "k_p_m3") * at(shaft + "kappa_w_Pa_per_rad") : 0.0;
+  const double kappa = oil ? at(shaft + "kappa_p_per_s") : 1.0;
+  const double k_P = at("control.speed.k_P_Nms_per_rad"), k_I = at("control.speed.k_I_Nm_per_rad");
+  const Value* lag = root.FindPath("input.T_c.actuator");
+  if (lag != nullptr && lag->is_array() && !lag->array().empty()) lag = &lag->array()[0];
+  const Value* tau = lag != nullptr ? lag->Find("tau_s") : nullptr;
+  if (tau == nullptr || !std::isfinite(k + c + K + kappa + k_P + k_I)) return Wrong("the scenario has no such loop");
+  // States: twist, both speeds, torque of the oil, torque of the machine, integral part of the control.
+  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+  A.row(0) << 0.0, 1.0, -1.0, 0.0, 0.0, 0.0;
+  A.row(1) << -k / I_a, -c / I_a, c / I_a, -1.0 / I_a, 1.0 / I_a, 0.0;
+  A.row(2) << k / I_b, c / I_b, -c / I_b, 1.0 / I_b, 0.0, 0.0;
+  A.row(3) << 0.0, K, -K, -kappa, 0.0, 0.0;
+  A.row(4) << 0.0, -k_P, 0.0, 0.0, -1.0, 1.0;
+  A.row(4) /= tau->number();
+  A(5, 1) = -k_I;
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const std::complex<double>& s : A.eigenvalues()) {
+    if (s.imag() > 0.0) slowest = std::min(slowest, std::abs(s));
+  }
+  return Figure{slowest / (2.0 * std::numbers::pi), "Hz"};
 }
 
 Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters) {

@@ -21,6 +21,9 @@ Result<Figure> CouplingReynolds(const Registry& registry, const Value& parameter
 Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& parameters);
 /// The dominant oscillation of T: runs `scenario`; `figure` of its checks, over that of `over` when given.
 Result<Figure> CouplingPeak(const Registry& registry, const Value& parameters);
+/// Frequency of the slowest oscillation of `scenario` with its speed control: dynamometer and engine each one inertia,
+/// the control taken as continuous; eigenvalues of six equations written down by hand.
+Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& parameters);
 /// Runs `scenario`, then with its coupling replaced by `first` and by `second` (tables of law and parameters): NRMSE of
 /// `signal` with the first over that with the second, during `during_s`.
 Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters);

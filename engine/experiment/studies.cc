@@ -317,6 +317,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
   static const std::map<std::string, Study, std::less<>> studies = {
       {"closed_loop_identity", ClosedLoopIdentity},
       {"coupling_chamber_angle", CouplingChamberAngle},
+      {"coupling_closed_loop", CouplingClosedLoop},
       {"coupling_frequency", CouplingFrequency},
       {"coupling_lever", CouplingLever},
       {"coupling_peak", CouplingPeak},
