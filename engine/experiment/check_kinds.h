@@ -84,6 +84,7 @@ class FollowsCheck : public CheckPlan {
   static constexpr const char* kSummary = "an output stays close to an input";
   explicit FollowsCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Inputs() const { return {p_.reference}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

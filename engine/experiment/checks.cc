@@ -188,6 +188,18 @@ Kind MakeKind() {
                 good = false;
               }
             }
+            if constexpr (requires { check->Inputs(); }) {
+              for (const std::string& input : check->Inputs()) {
+                if (FindInput(rig, input) >= 0) continue;
+                std::vector<std::string> names;
+                for (const InputLine& line : rig.inputs) names.push_back(line.name);
+                const Value* where = table.Find("reference");
+                diagnostics.Error(where != nullptr ? where->where() : table.where(),
+                                  fmt::format("there is no input \"{}\" to follow", input),
+                                  fmt::format("inputs: {}", fmt::join(names, ", ")));
+                good = false;
+              }
+            }
             for (const std::string& signal : check->Signals()) {
               if (FindOutput(rig, signal) >= 0) continue;
               std::vector<std::string> names;
