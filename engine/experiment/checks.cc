@@ -217,9 +217,9 @@ Kind MakeKind() {
 }
 
 const std::vector<Kind>& Kinds() {
-  static const std::vector<Kind> kinds = {MakeKind<FollowsCheck>(),    MakeKind<GoldenCheck>(),
-                                          MakeKind<OracleCheck>(),     MakeKind<PeakCheck>(),
-                                          MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>()};
+  static const std::vector<Kind> kinds = {
+      MakeKind<CouplingCheck>(), MakeKind<FollowsCheck>(),    MakeKind<GoldenCheck>(), MakeKind<OracleCheck>(),
+      MakeKind<PeakCheck>(),     MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>()};
   return kinds;
 }
 

@@ -122,5 +122,25 @@ TEST(FollowsCheck, TakesTheLargestDistance) {
   EXPECT_EQ(FollowsCheck(params).Run(context)[0].verdict, score::Verdict::kFail);
 }
 
+TEST(CouplingCheck, ReadsTheSteadyValues) {
+  Course course;
+  course.plan.root["plant"]["shaft"]["coupling"] =
+      Value{{"law", "kelvin_voigt"}, {"stiffness_Nm_per_rad", 94e3}, {"damping_Nms_per_rad", 618.0}};
+  CheckContext context(course.plan, course.rig, course.samples, "realtime");
+  CouplingCheck::Params params;
+  params.shaft = "coupling";
+  params.nu_rad_per_s = 73.3;
+  params.stiffness_Nm_per_rad = 94e3;
+  params.damping_Nms_per_rad = 600.0;
+  params.relative = 0.01;
+  const auto checks = CouplingCheck(params).Run(context);
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0].verdict, score::Verdict::kPass);
+  EXPECT_EQ(checks[1].verdict, score::Verdict::kFail);  // 3 % off
+  EXPECT_EQ(context.figures.at("coupling_c_Nms_per_rad").value, 618.0);
+  params.shaft = "k9";
+  EXPECT_EQ(CouplingCheck(params).Run(context)[0].verdict, score::Verdict::kFail);
+}
+
 }  // namespace
 }  // namespace dynoproof
