@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -139,13 +140,14 @@ class OracleCheck : public CheckPlan {
  public:
   struct Params {
     std::string oracle, signal, origin;
-    double nrmse = 0.0;
+    double nrmse = 0.0, until_s = 0.0;
     void Visit(auto& v) {
       std::vector<std::string> names;
       for (const auto& [name, function] : oracles::All()) names.push_back(name);
       v.Required("oracle", oracle, names, "the independent reference (golden/oracles)");
       v.Required("signal", signal, Any(), "output that is compared");
       v.Required("nrmse", nrmse, Positive("1"), "largest distance from the oracle");
+      v.Optional("until_s", until_s, NonNegative(), "compared up to here, where motion is chaotic; 0: to the end");
       v.Required("origin", origin, Any(), "why this limit");
     }
   };
@@ -158,8 +160,17 @@ class OracleCheck : public CheckPlan {
     const std::string name = fmt::format("{} {}", p_.oracle, p_.signal);
     const Result<std::vector<double>> answer = context.Oracle(p_.oracle, p_.signal);
     if (!answer.ok()) return {NotMade(name, kName, p_.nrmse, p_.origin, answer.failure())};
-    return {CompareNrmse(context, p_.signal, {context.samples().time, *answer},
-                         SeriesOf(context.samples(), context.rig(), p_.signal), p_.nrmse, name, kName, p_.origin)};
+    score::Series exact{context.samples().time, *answer};
+    score::Series own = SeriesOf(context.samples(), context.rig(), p_.signal);
+    if (p_.until_s > 0.0) {
+      const auto rows = static_cast<std::size_t>(
+          std::upper_bound(exact.time_s.begin(), exact.time_s.end(), p_.until_s) - exact.time_s.begin());
+      for (score::Series* series : {&exact, &own}) {
+        series->time_s = series->time_s.first(rows);
+        series->values = series->values.first(rows);
+      }
+    }
+    return {CompareNrmse(context, p_.signal, exact, own, p_.nrmse, name, kName, p_.origin)};
   }
 
  private:
@@ -218,8 +229,9 @@ Kind MakeKind() {
 
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
-      MakeKind<CouplingCheck>(), MakeKind<FollowsCheck>(),    MakeKind<GoldenCheck>(), MakeKind<OracleCheck>(),
-      MakeKind<PeakCheck>(),     MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>()};
+      MakeKind<ContactsCheck>(), MakeKind<CouplingCheck>(), MakeKind<DivergenceCheck>(), MakeKind<FollowsCheck>(),
+      MakeKind<GoldenCheck>(),   MakeKind<OracleCheck>(),   MakeKind<PeakCheck>(),       MakeKind<ResonancesCheck>(),
+      MakeKind<SolversCheck>(),  MakeKind<WindowsCheck>()};
   return kinds;
 }
 

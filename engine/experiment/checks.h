@@ -40,6 +40,8 @@ class CheckContext {
 
   Figures figures;                      // what the checks found out besides their verdicts
   const trace::Trace* trace = nullptr;  // the run as it will be written
+  const Registry* registry = nullptr;   // for checks that build variants of the scenario
+  const Records* records = nullptr;
 
  private:
   const Plan& plan_;

@@ -100,6 +100,28 @@ void CheckRecord(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
   }
 }
 
+/// Builds every [variant.NAME]: a table laid over the scenario.
+void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepared, Diagnostics& diagnostics) {
+  const Value* tables = plan.root.Find("variant");
+  if (tables == nullptr) return;
+  if (!tables->is_table()) {
+    diagnostics.Error(tables->where(), "\"variant\" is " + tables->KindName(), "write [variant.NAME...]");
+    return;
+  }
+  for (const Value::Entry& entry : tables->table()) {
+    if (!entry.value.is_table()) {
+      diagnostics.Error(entry.value.where(), fmt::format("variant.{} is {}", entry.key, entry.value.KindName()),
+                        "write a table of what it changes");
+      continue;
+    }
+    Prepared::Variant variant{entry.key, plan, nullptr};
+    variant.plan.root.Erase("variant");
+    MergeInto(variant.plan.root, entry.value);
+    variant.rig = Rig::Build(variant.plan, registry, *prepared.records, diagnostics);
+    if (variant.rig != nullptr) prepared.variants.push_back(std::move(variant));
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
@@ -117,6 +139,8 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   if (const Value* title = plan.root.Find("title"); title != nullptr && title->is_string())
     prepared->title = title->string();
   prepared->rig = Rig::Build(plan, registry, *prepared->records, diagnostics);
+  prepared->registry = &registry;
+  if (prepared->rig != nullptr && options.data == nullptr) BuildVariants(plan, registry, *prepared, diagnostics);
   // Without a rig the names alone serve, so that every fault of a file is reported in one go.
   Rig names;
   for (const std::string& name : KeysOfSection(plan, "input")) names.inputs.emplace_back().name = name;

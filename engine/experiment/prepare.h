@@ -20,6 +20,14 @@ struct Prepared {
   std::vector<std::unique_ptr<CheckPlan>> checks;
   std::shared_ptr<Records> records;
   std::vector<std::string> notes;  // what a reader of the result should know
+  const Registry* registry = nullptr;
+  /// [variant.NAME]: the scenario with some values changed; its outputs are recorded as OUTPUT_NAME.
+  struct Variant {
+    std::string name;
+    Plan plan;
+    std::unique_ptr<Rig> rig;
+  };
+  std::vector<Variant> variants;
 };
 
 struct PrepareOptions {

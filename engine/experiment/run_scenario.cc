@@ -43,6 +43,28 @@ void AddHull(const Prepared& prepared, trace::Trace& trace) {
   }
 }
 
+/// Adds the outputs of every [variant.NAME], each as OUTPUT_NAME, so that one trace holds them all.
+Status AddVariants(const Prepared& prepared, trace::Trace& trace) {
+  for (const Prepared::Variant& variant : prepared.variants) {
+    const Rig& rig = *variant.rig;
+    const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
+    if (!solver.ok()) return solver.failure();
+    Result<Samples> samples = Simulate(rig, **solver);
+    if (!samples.ok()) return samples.failure();
+    std::size_t base = 0;
+    if (samples->time != trace.time) {
+      trace.other_times.push_back(samples->time);
+      base = trace.other_times.size();
+    }
+    for (std::size_t i = 0; i < rig.outputs.size(); ++i) {
+      const OutputLine& line = rig.outputs[i];
+      trace.signals.push_back({line.name + "_" + variant.name, line.unit, line.description + ", " + variant.name,
+                               line.nominal, trace::Interpolation::kLinear, std::move(samples->outputs[i]), base});
+    }
+  }
+  return {};
+}
+
 /// The outputs against a measured record, each at the record's own time stamps.
 std::vector<score::Check> CompareWithRecord(const Prepared& prepared, const Samples& samples, const MappedRecord& data,
                                             Figures& figures) {
@@ -131,13 +153,16 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   if (!solver.ok()) return broken(solver.failure());
   const Result<Samples> samples = Simulate(rig, **solver, options.progress);
   if (!samples.ok()) return broken(samples.failure());
-  const trace::Trace trace = MakeTrace(prepared, *samples);
+  trace::Trace trace = MakeTrace(prepared, *samples);
+  if (Status failed = AddVariants(prepared, trace)) return broken(*failed);
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
   if (Status failed = trace::WriteTrace(file, trace)) return broken(*failed);
   result.trace_file = file;
 
   CheckContext context(prepared.plan, rig, *samples, rig.run.solver);
   context.trace = &trace;
+  context.registry = prepared.registry;
+  context.records = prepared.records.get();
   for (const auto& check : prepared.checks) {
     std::vector<score::Check> made = check->Run(context);
     if (made.empty()) {  // a check that says nothing is none: a fresh Check fails

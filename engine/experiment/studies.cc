@@ -315,6 +315,9 @@ Result<Figure> TwoMassDistance(const Registry&, const Value&) {
 
 const std::map<std::string, Study, std::less<>>& Studies() {
   static const std::map<std::string, Study, std::less<>> studies = {
+      {"backlash_impact", BacklashImpact},
+      {"backlash_laws", BacklashLaws},
+      {"backlash_rigid_mass", BacklashRigidMass},
       {"closed_loop_identity", ClosedLoopIdentity},
       {"coupling_chamber_angle", CouplingChamberAngle},
       {"coupling_closed_loop", CouplingClosedLoop},
@@ -331,6 +334,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"resonance_shift", ResonanceShift},
       {"rising_with_last_inertia", RisingWithLastInertia},
       {"rotor_exact", RotorExact},
+      {"rotor_in_thirds", RotorInThirds},
       {"rotor_heuristic", RotorHeuristic},
       {"rotor_sliced", RotorSliced},
       {"slice_order", SliceOrder},

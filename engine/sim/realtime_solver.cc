@@ -103,7 +103,9 @@ class RealtimeSolver : public Solver {
     if (rig.run.realtime.keep_below_Hz > 0.0)
       form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
     exact_ = group_.channels.empty() && roles_.nonlinear.empty();
-    chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end();
+    chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end() &&
+               std::any_of(roles_.nonlinear.begin(), roles_.nonlinear.end(),
+                           [&rig](int index) { return PassesThrough(*rig.blocks[index].component); });
     summary_ = fmt::format(
         "{} pairs, {} real, {} integrators, {} states dropped, condition {:.1f}{}; {} nonlinear laws, "
         "{} nonlinear parts",
@@ -117,6 +119,16 @@ class RealtimeSolver : public Solver {
     modes_.assign(rig.modes, 0);
     ends_.assign(group_.channels.size(), 0.0);
     for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
+  }
+
+  /// False for a part whose outputs follow from its states alone, such as a machine: nothing is to be settled there.
+  static bool PassesThrough(const Component& component) {
+    for (std::size_t out = 0; out < component.layout().outputs.size(); ++out) {
+      for (std::size_t in = 0; in < component.layout().inputs.size(); ++in) {
+        if (component.FeedsThrough(static_cast<int>(in), static_cast<int>(out))) return true;
+      }
+    }
+    return false;
   }
 
   const Law& Law_(std::size_t e) const { return *group_.channels[e].channel.law; }
@@ -374,7 +386,7 @@ class RealtimeSolver : public Solver {
   Roles roles_;
   LinearGroup group_;
   ModalForm form_;
-  bool chained_ = false;     // the linear group reads a nonlinear part
+  bool chained_ = false;     // the linear group reads a nonlinear part that passes its inputs through
   bool exact_ = true;        // nothing is nonlinear: one exact step per interval
   std::vector<Step> steps_;  // by interval
   std::string summary_;

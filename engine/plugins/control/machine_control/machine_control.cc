@@ -67,9 +67,10 @@ void RotorFluxControl::Begin(double speed, std::span<double> states) const {
   states[kFlux] = m_.rated_flux;
   states[kIntegralD] = m_.R_s * i_d;
   states[kIntegralQ] = m_.R_s * i_q;
-  const Phasor u =
+  const Phasor wanted =
       Phasor(m_.R_s * i_d - nu * m_.L_sigma * i_q, m_.R_s * i_q + nu * (m_.L_sigma * i_d + m_.rated_flux)) *
       Unit(0.5 * nu * period_s_);
+  const Phasor u = wanted * std::min(1.0, voltage_limit_ / std::sqrt(std::norm(wanted)));
   states[kNextAlpha] = u.real();
   states[kNextBeta] = u.imag();
 }
