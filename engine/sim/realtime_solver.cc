@@ -75,7 +75,7 @@ class RealtimeSolver : public Solver {
       step.propagator.Advance(State(frame), v0_);
       return {};
     }
-    for (int i = 0; i < step.substeps; ++i) Substep(frame, step, begin_s + i * step.length_s);
+    for (int i = 0; i < step.substeps; ++i) Substep(frame, step, begin_s + i * step.length_s, i);
     substeps_ += step.substeps;
     return {};
   }
@@ -106,6 +106,12 @@ class RealtimeSolver : public Solver {
     chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end() &&
                std::any_of(roles_.nonlinear.begin(), roles_.nonlinear.end(),
                            [&rig](int index) { return PassesThrough(*rig.blocks[index].component); });
+    ahead_ = rig.run.realtime.part_corrections == 1 && !roles_.nonlinear.empty() &&
+             std::none_of(roles_.nonlinear.begin(), roles_.nonlinear.end(), [this, &rig](int index) {
+               const Block& block = rig.blocks[index];
+               return block.states() == 0 || PassesThrough(*block.component) || ReadsAPart(block);
+             });
+    part_steps_.assign(group_.reads.size(), 0.0);
     summary_ = fmt::format(
         "{} pairs, {} real, {} integrators, {} states dropped, condition {:.1f}{}; {} nonlinear laws, "
         "{} nonlinear parts",
@@ -129,6 +135,16 @@ class RealtimeSolver : public Solver {
       }
     }
     return false;
+  }
+
+  /// True when a nonlinear part is among what the block reads.
+  bool ReadsAPart(const Block& block) const {
+    return std::any_of(block.inputs.begin(), block.inputs.end(), [this](int slot) {
+      return std::any_of(roles_.nonlinear.begin(), roles_.nonlinear.end(), [this, slot](int index) {
+        const Block& other = rig_.blocks[index];
+        return slot >= other.first_output && slot < other.first_output + other.outputs();
+      });
+    });
   }
 
   const Law& Law_(std::size_t e) const { return *group_.channels[e].channel.law; }
@@ -292,11 +308,16 @@ class RealtimeSolver : public Solver {
     return std::copysign(std::min(std::abs(slip), std::abs(hold)), hold);  // friction never drives
   }
 
-  void Substep(Frame& frame, const Step& step, double time_s) {
+  void Substep(Frame& frame, const Step& step, double time_s, int number) {
     const std::size_t reads = group_.reads.size(), channels = group_.channels.size(), m = v0_.size();
     const std::span<double> state = State(frame);
-    Settle(frame, time_s);  // a held signal that feeds through may have jumped
-    ReadInputs(frame, v0_);
+    if (ahead_) {
+      ReadInputs(frame, v0_);
+      step.propagator.Output(state, v0_, y0_);
+    } else {
+      Settle(frame, time_s);  // a held signal that feeds through may have jumped
+      ReadInputs(frame, v0_);
+    }
     std::copy(state.begin(), state.end(), saved_.begin());
     std::copy(frame.states.begin(), frame.states.end(), states_.begin());
     std::copy(frame.modes.begin(), frame.modes.end(), modes_.begin());
@@ -305,8 +326,13 @@ class RealtimeSolver : public Solver {
     y_ = y_free_;
     std::fill(ramp_.begin(), ramp_.end(), 0.0);
     held_ = v0_;
+    if (ahead_) {
+      if (number == 0) AdvanceAhead(frame, time_s, step);
+      std::copy(part_steps_.begin(), part_steps_.end(), ramp_.begin());
+      Correct(step.propagator);
+    }
     for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
-      if (!roles_.nonlinear.empty() &&
+      if (!roles_.nonlinear.empty() && !ahead_ &&
           (rig_.run.realtime.part_corrections == 0 || sweep < rig_.run.realtime.part_corrections)) {
         AdvanceParts(frame, time_s, step.length_s);
         for (std::size_t i = 0; i < reads; ++i) {
@@ -339,6 +365,9 @@ class RealtimeSolver : public Solver {
     std::copy(saved_.begin(), saved_.end(), state.begin());
     step.propagator.AdvanceRamp(state, held_, ramp_);
     for (std::size_t i = 0; i < m; ++i) held_[i] += ramp_[i];
+    for (std::size_t i = 0; ahead_ && i < reads; ++i) {
+      if (!group_.read_is_held[i]) frame.signals[group_.reads[i]] = held_[i];
+    }
     for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = Switches(e) ? ends_[e] : held_[reads + e];
   }
 
@@ -350,6 +379,16 @@ class RealtimeSolver : public Solver {
         sum += propagator.held_gain()(r, c) * (held_[c] - v0_[c]) + propagator.ramp_gain()(r, c) * ramp_[c];
       }
       y_[r] = sum;
+    }
+  }
+
+  /// Carries parts that follow from their states alone (machines) over the whole interval in its first substep, with
+  /// the linear signals running on as straight as they begin; what they answer then changes in equal steps.
+  void AdvanceAhead(Frame& frame, double time_s, const Step& step) {
+    for (std::size_t i = 0; i < group_.writes.size(); ++i) y_[i] = y0_[i] + step.substeps * (y_free_[i] - y0_[i]);
+    AdvanceParts(frame, time_s, step.substeps * step.length_s);
+    for (std::size_t i = 0; i < group_.reads.size(); ++i) {
+      part_steps_[i] = group_.read_is_held[i] ? 0.0 : (frame.signals[group_.reads[i]] - v0_[i]) / step.substeps;
     }
   }
 
@@ -373,6 +412,7 @@ class RealtimeSolver : public Solver {
         }
       }
       for (const int index : roles_.nonlinear) {
+        if (ahead_ && stage < 4) break;  // nobody reads them before the end
         EvaluateBlock(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals);
       }
       if (stage == 4) break;
@@ -386,9 +426,11 @@ class RealtimeSolver : public Solver {
   Roles roles_;
   LinearGroup group_;
   ModalForm form_;
-  bool chained_ = false;     // the linear group reads a nonlinear part that passes its inputs through
-  bool exact_ = true;        // nothing is nonlinear: one exact step per interval
-  std::vector<Step> steps_;  // by interval
+  bool ahead_ = false;              // part_corrections = 1 and no part reads another or passes its inputs through
+  std::vector<double> part_steps_;  // by reads: their change in a substep, for such parts
+  bool chained_ = false;            // the linear group reads a nonlinear part that passes its inputs through
+  bool exact_ = true;               // nothing is nonlinear: one exact step per interval
+  std::vector<Step> steps_;         // by interval
   std::string summary_;
   std::int64_t periods_ = 0, substeps_ = 0;
   // Scratch memory of a step: inputs at its beginning, held and straight parts of their course; outputs.

@@ -29,7 +29,7 @@ Result<Answer> HeldInputExponential(const Question& question);
 
 /// A drive line with exactly one shaft with play of a law that is linear between changes of contact (dead_zone,
 /// revised_dead_zone, phase_plane, full_state_backlash), with held inputs: one matrix exponential per contact, changes
-/// found by bisection down to 1e-13 of a period. Fails (exit code 2) on anything else.
+/// found by bisection down to 1e-11 of a period. Fails (exit code 2) on anything else.
 Result<Answer> PiecewiseExponential(const Question& question);
 
 /// All oracles by name.
