@@ -17,11 +17,11 @@ std::unique_ptr<Prepared> Load(const Registry& registry, std::vector<std::string
                  diagnostics);
 }
 
-double ErrorUpTo(const Samples& exact, const Samples& test, double end_s) {
+double ErrorUpTo(const Samples& exact, const Samples& test, int output, double end_s) {
   double error = 0.0, mean = 0.0, square = 0.0, count = 0.0;
   for (std::size_t k = 0; k < exact.time.size(); ++k) {
     if (exact.time[k] < 0.1 || exact.time[k] > end_s) continue;
-    const double a = exact.outputs[0][k], b = test.outputs[0][k];
+    const double a = exact.outputs[output][k], b = test.outputs[output][k];
     error += (a - b) * (a - b);
     mean += a;
     square += a * a;
@@ -44,9 +44,12 @@ void TestBed(benchmark::State& state, std::vector<std::string> overrides) {
     samples = Simulate(rig, **solver);
     if (!samples.ok()) return state.SkipWithError(samples.failure().ToString().c_str());
   }
-  const auto reference = MakeReferenceSolver(rig);
-  const Result<Samples> exact = Simulate(rig, **reference);
-  if (exact.ok()) state.counters["error"] = ErrorUpTo(*exact, *samples, 0.22);
+  static const Result<Samples> exact = [&rig] {
+    const auto reference = MakeReferenceSolver(rig);
+    return Simulate(rig, **reference);
+  }();
+  // The second impact is at 152.4 ms.
+  if (exact.ok()) state.counters["error"] = ErrorUpTo(*exact, *samples, FindOutput(rig, "omega_1"), 0.152);
   state.counters["per_step"] = benchmark::Counter(
       static_cast<double>(rig.steps), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }

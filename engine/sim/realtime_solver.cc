@@ -371,14 +371,17 @@ class RealtimeSolver : public Solver {
     for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = Switches(e) ? ends_[e] : held_[reads + e];
   }
 
-  /// y_ for the present held_ and ramp_.
+  /// y_ for the present held_ and ramp_; without parts that listen only the channels' twists and rates.
   void Correct(const Propagator& propagator) {
-    for (std::size_t r = 0; r < y_.size(); ++r) {
-      double sum = y_free_[r];
-      for (std::size_t c = 0; c < v0_.size(); ++c) {
-        sum += propagator.held_gain()(r, c) * (held_[c] - v0_[c]) + propagator.ramp_gain()(r, c) * ramp_[c];
-      }
-      y_[r] = sum;
+    const Eigen::Index rows = static_cast<Eigen::Index>(y_.size());
+    const Eigen::Index first = roles_.nonlinear.empty() || ahead_ ? static_cast<Eigen::Index>(group_.writes.size()) : 0;
+    std::copy(y_free_.begin() + first, y_free_.end(), y_.begin() + first);
+    for (std::size_t c = 0; c < v0_.size(); ++c) {
+      const double step = held_[c] - v0_[c], ramp = ramp_[c];
+      if (step == 0.0 && ramp == 0.0) continue;
+      const double *by_step = &propagator.held_gain()(0, static_cast<Eigen::Index>(c)),
+                   *by_ramp = &propagator.ramp_gain()(0, static_cast<Eigen::Index>(c));
+      for (Eigen::Index r = first; r < rows; ++r) y_[r] += by_step[r] * step + by_ramp[r] * ramp;
     }
   }
 

@@ -202,13 +202,15 @@ TEST(InductionMachine, SolversAgree) {
       Controlled(Value{{"type", "jump"}, {"times_s", Value::Array{0.05, 0.15}}, {"values", Value::Array{6.0, -6.0}}},
                  0.0583, 0.0, 0.3);
   const Samples exact = RunPlan(plan, "reference");
-  double error[3];
-  for (int i = 0; i < 3; ++i) {
-    plan.root["run"]["realtime"] = Value{{"substeps", 1 << i}, {"corrections", 2}, {"part_corrections", 1}};
-    error[i] = Nrmse(exact.outputs[0], RunPlan(plan, "realtime").outputs[0]);
+  // Carried ahead of the line once a period, or with it in every sweep: two ways to the same.
+  for (const int part_corrections : {0, 1}) {
+    for (const int substeps : {1, 2}) {
+      plan.root["run"]["realtime"] =
+          Value{{"substeps", substeps}, {"corrections", 2}, {"part_corrections", part_corrections}};
+      // 2e-7 is seen: the speed bends within a period.
+      EXPECT_LT(Nrmse(exact.outputs[0], RunPlan(plan, "realtime").outputs[0]), 1e-6) << part_corrections << substeps;
+    }
   }
-  EXPECT_LT(error[0], 1e-4);
-  EXPECT_LT(error[2], 0.1 * error[0] + 1e-9) << error[0] << " " << error[1] << " " << error[2];
 }
 
 TEST(SpeedControl, HoldsASpeedAgainstALoad) {
