@@ -313,7 +313,12 @@ class RealtimeSolver : public Solver {
     const std::span<double> state = State(frame);
     if (ahead_) {
       ReadInputs(frame, v0_);
-      step.propagator.Output(state, v0_, y0_);
+      if (number == 0) {
+        step.propagator.Output(state, v0_, y0_);
+      } else {  // the last correction left twists and rates as they are now
+        std::copy(y_.begin() + static_cast<std::ptrdiff_t>(group_.writes.size()), y_.end(),
+                  y0_.begin() + static_cast<std::ptrdiff_t>(group_.writes.size()));
+      }
     } else {
       Settle(frame, time_s);  // a held signal that feeds through may have jumped
       ReadInputs(frame, v0_);

@@ -33,6 +33,7 @@ RotorFluxControl::RotorFluxControl(const Params& params, const BuildContext& con
     : period_s_(context.period_s), initial_torque_(params.initial_torque_Nm) {
   params.Derive(m_);
   const double bandwidth = 2.0 * std::numbers::pi * params.current_bandwidth_Hz;
+  flux_decay_ = std::exp(-m_.rotor_rate() * period_s_);
   voltage_limit_ = params.dc_link_V / std::sqrt(3.0);
   current_limit_ = params.overload * m_.rated_peak_current;
   gain_ = bandwidth * m_.L_sigma;
@@ -114,9 +115,10 @@ void RotorFluxControl::Tick(const View& view, std::span<double> states, std::spa
   states[kNextBeta] = given.imag();
 
   // The current model over the period, with the currents of its beginning.
-  const double decay = std::exp(-m_.rotor_rate() * period_s_);
-  states[kFlux] = states[kFlux] * decay + m_.L_M * i.real() * (1.0 - decay);
-  states[kAngle] = std::remainder(states[kAngle] + nu * period_s_, 2.0 * std::numbers::pi);
+  states[kFlux] = states[kFlux] * flux_decay_ + m_.L_M * i.real() * (1.0 - flux_decay_);
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double angle = states[kAngle] + nu * period_s_;
+  states[kAngle] = angle > kTurn ? angle - kTurn : angle < -kTurn ? angle + kTurn : angle;
 }
 
 PluginInfo SpeedControl::Info() {

@@ -37,6 +37,7 @@ class RotorFluxControl : public Component {
 
   MachineModel m_;
   double period_s_, voltage_limit_, current_limit_, gain_, reset_, flux_gain_, flux_reset_, initial_torque_;
+  double flux_decay_;  // of the flux over a period
 };
 
 /// PI controller of a speed. Inputs: set_point, speed [rad/s]. Output: torque [N m].
