@@ -13,7 +13,8 @@ namespace dynoproof {
 /// One study: `parameters` is the claim's `compute` table. Fails (exit code 2) on missing or wrong parameters.
 using Study = Result<Figure> (*)(const Registry& registry, const Value& parameters);
 
-/// Chapter 3 (studies_backlash.cc): a figure of the first impact in a scenario with play, and of one rigid mass instead.
+/// Chapter 3 (studies_backlash.cc): a figure of the first impact in a scenario with play, and of one rigid mass
+/// instead.
 Result<Figure> BacklashImpact(const Registry& registry, const Value& parameters);
 Result<Figure> BacklashRigidMass(const Registry& registry, const Value& parameters);
 /// How far two laws with play are apart up to an impact of the first.
