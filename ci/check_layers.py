@@ -9,13 +9,14 @@ MAY_INCLUDE = {
     "base": [],
     "mechanics": ["base"],
     "model": ["mechanics", "base"],
-    "plugins": ["model", "mechanics", "base"],
+    "control10k": [],  # goes to a real-time target as it is
+    "plugins": ["model", "mechanics", "base", "control10k"],
     "scenario": ["model", "base"],
     "sim": ["model", "mechanics", "base"],
     "trace": ["base"],
     "score": ["base"],
     "oracles": ["model", "base"],
-    "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base"],
+    "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
     "reports": ["experiment", "score", "trace", "model", "mechanics", "base"],
     "app": ["reports", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
 }
