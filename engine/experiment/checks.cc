@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "experiment/check_kinds.h"
+#include "experiment/check_suppression.h"
 #include "experiment/why.h"
 #include "oracles/oracle.h"
 #include "score/nrmse.h"
@@ -229,9 +230,10 @@ Kind MakeKind() {
 
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
-      MakeKind<ContactsCheck>(), MakeKind<CouplingCheck>(), MakeKind<DivergenceCheck>(), MakeKind<FollowsCheck>(),
-      MakeKind<GoldenCheck>(),   MakeKind<OracleCheck>(),   MakeKind<PeakCheck>(),       MakeKind<ResonancesCheck>(),
-      MakeKind<SolversCheck>(),  MakeKind<WindowsCheck>()};
+      MakeKind<ContactsCheck>(),   MakeKind<CouplingCheck>(),   MakeKind<DivergenceCheck>(), MakeKind<FollowsCheck>(),
+      MakeKind<GoldenCheck>(),     MakeKind<GrowthCheck>(),     MakeKind<OracleCheck>(),     MakeKind<PeakCheck>(),
+      MakeKind<PlacementsCheck>(), MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>(),    MakeKind<WanderCheck>(),
+      MakeKind<WindowsCheck>()};
   return kinds;
 }
 

@@ -6,6 +6,8 @@
 #include "plugins/effect/contact_changes.h"
 #include "plugins/control/speed_pi/speed_pi.h"
 #include "plugins/effect/coupling_effects.h"
+#include "plugins/control/classical_core/classical_core.h"
+#include "plugins/control/core_10k/core_10k.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
 #include "plugins/effect/stage_effects.h"
@@ -44,6 +46,8 @@ void RegisterControls(Registry& registry) {
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedControl>();
   registry.Add<controls::SpeedPi>();
+  registry.Add<controls::ClassicalCore>();
+  registry.Add<controls::Core10k>();
 }
 
 void RegisterEffects(Registry& registry) {
