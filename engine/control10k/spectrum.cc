@@ -29,12 +29,13 @@ bool Goertzel::Step(const GoertzelTables& tables, double x) {
   const double windowed = x * tables.window[static_cast<int>(count)];
   const int groups = Groups(tables.bins);
   for (int g = 0; g < groups; ++g) {
-    double *a = y1 + g * kGroup, *b = y2 + g * kGroup;
-    const double* c = tables.coefficient + g * kGroup;
-    double next[kGroup];
-    for (int i = 0; i < kGroup; ++i) next[i] = c[i] * a[i] - b[i] + windowed;
-    for (int i = 0; i < kGroup; ++i) b[i] = a[i];
-    for (int i = 0; i < kGroup; ++i) a[i] = next[i];
+    double *__restrict a = y1 + g * kGroup, *__restrict b = y2 + g * kGroup;
+    const double* __restrict c = tables.coefficient + g * kGroup;
+    for (int i = 0; i < kGroup; ++i) {
+      const double next = c[i] * a[i] - b[i] + windowed;
+      b[i] = a[i];
+      a[i] = next;
+    }
   }
   count += 1.0;
   return count >= tables.block;

@@ -9,6 +9,7 @@
 #include "experiment/analysis.h"
 #include "experiment/coupling_studies.h"
 #include "experiment/prepare.h"
+#include "experiment/suppression_studies.h"
 #include "mechanics/descriptions.h"
 #include "mechanics/distributed.h"
 #include "mechanics/eigen_derivatives.h"
@@ -345,7 +346,12 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"zero_equation_solutions", ZeroEquationSolutions},
       {"zero_frequency", ZeroFrequency},
   };
-  return studies;
+  static const std::map<std::string, Study, std::less<>> all = [] {
+    auto merged = SuppressionStudies();
+    merged.insert(studies.begin(), studies.end());
+    return merged;
+  }();
+  return all;
 }
 
 }  // namespace dynoproof
