@@ -26,6 +26,7 @@ step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --j
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py
+step bench ./build/dynoproof bench --json out/nightly/bench.json
 step robustness ./build/bench/robustness --runs 1050 --jobs "$(nproc)" --worst --json out/nightly/robustness.json
 step robustness-probing ./build/bench/robustness --runs 350 --jobs "$(nproc)" --probe 0.0005 --json out/nightly/robustness_probing.json
 exit $failed

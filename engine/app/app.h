@@ -58,6 +58,7 @@ void AddValidate(CLI::App& program, int& exit);
 void AddNew(CLI::App& program, int& exit);
 void AddCompare(CLI::App& program, int& exit);
 void AddReproduce(CLI::App& program, int& exit);
+void AddBench(CLI::App& program, int& exit);
 void AddBless(CLI::App& program, int& exit);
 
 }  // namespace dynoproof::app
