@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", runs.failure().ToString());
     return 3;
   }
-  fmt::print("{:<14}{:>6}  {:<24}{:<24}{:<24}{:>8}{:>8}\n", "load", "runs", "resonances found",
+  fmt::print("{:<14}{:>6}  {:<27}{:<27}{:<27}{:>8}{:>8}\n", "load", "runs", "resonances found",
              "placements that are false", "loop unstable at the end", "median", "90 %");
   std::string document = fmt::format("{{\"seed\": {}, \"runs\": {}, \"probe_gamma\": {}, \"loads\": [", options.seed,
                                      options.runs, options.probe_gamma);
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
   };
   bool first = true;
   for (const CampaignSummary& line : Summarise(*runs)) {
-    fmt::print("{:<14}{:>6}  {:<24}{:<24}{:<24}{:>6.2f} s{:>6.2f} s\n", line.load, line.runs, text(line.found),
+    fmt::print("{:<14}{:>6}  {:<27}{:<27}{:<27}{:>6.2f} s{:>6.2f} s\n", line.load, line.runs, text(line.found),
                text(line.false_placements), text(line.unstable_at_end), line.median_time_s, line.p90_time_s);
     document += fmt::format(
         "{}{{\"load\": \"{}\", \"runs\": {}, {}, {}, {}, {}, \"median_time_s\": {:.4f}, \"p90_time_s\": {:.4f}}}",

@@ -29,7 +29,7 @@ bool Goertzel::Step(const GoertzelTables& tables, double x) {
   const double windowed = x * tables.window[static_cast<int>(count)];
   const int groups = Groups(tables.bins);
   for (int g = 0; g < groups; ++g) {
-    double *__restrict a = y1 + g * kGroup, *__restrict b = y2 + g * kGroup;
+    double* __restrict a = y1 + g * kGroup, * __restrict b = y2 + g * kGroup;
     const double* __restrict c = tables.coefficient + g * kGroup;
     for (int i = 0; i < kGroup; ++i) {
       const double next = c[i] * a[i] - b[i] + windowed;
