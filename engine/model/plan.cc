@@ -9,7 +9,8 @@ namespace {
 
 const std::vector<std::string> kTopLevel = {"title", "source",  "include", "run",     "plant",
                                             "part",  "control", "input",   "output",  "analysis",
-                                            "check", "effect",  "record",  "variant", "prediction_window_s"};
+                                            "check", "effect",  "record",  "variant", "prediction_window_s",
+                                            "budget"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {

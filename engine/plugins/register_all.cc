@@ -2,12 +2,12 @@
 #include "model/registry.h"
 #include "plugins/actuator/linear_stages/linear_stages.h"
 #include "plugins/actuator/static_stages/static_stages.h"
-#include "plugins/control/machine_control/machine_control.h"
-#include "plugins/effect/contact_changes.h"
-#include "plugins/control/speed_pi/speed_pi.h"
-#include "plugins/effect/coupling_effects.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
+#include "plugins/control/machine_control/machine_control.h"
+#include "plugins/control/speed_pi/speed_pi.h"
+#include "plugins/effect/contact_changes.h"
+#include "plugins/effect/coupling_effects.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
 #include "plugins/effect/stage_effects.h"
@@ -43,11 +43,11 @@ void RegisterActuators(Registry& registry) {
 }
 
 void RegisterControls(Registry& registry) {
+  registry.Add<controls::ClassicalCore>();
+  registry.Add<controls::Core10k>();
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedControl>();
   registry.Add<controls::SpeedPi>();
-  registry.Add<controls::ClassicalCore>();
-  registry.Add<controls::Core10k>();
 }
 
 void RegisterEffects(Registry& registry) {
