@@ -59,27 +59,26 @@ inline Plan SoftPlan() {
 
 /// Three inertias, the second shaft with play.
 inline Plan PlayPlan() {
-  return PlanOf(Value{
-      {"run", Value{{"duration_s", 0.2}}},
-      {"plant", Value{{"type", "drive_line"},
-                      {"nominal_torque_Nm", 10.0},
-                      {"inertia", Value{{"I1", 0.05}, {"I2", 6e-3}, {"I3", 3e-3}, {"I4", 3e-3}}},
-                      {"shaft", Value{{"k1", Shaft("I1", "I2", 1e4, 0.1)},
-                                      {"k2", Value{{"between", Value::Array{"I2", "I3"}},
-                                                   {"law", "phase_plane"},
-                                                   {"stiffness_Nm_per_rad", 15e3},
-                                                   {"damping_Nms_per_rad", 0.5},
-                                                   {"half_gap_rad", 0.01}}},
-                                      {"k3", Shaft("I3", "I4", 2e4, 0.1)}}},
-                      {"torque", Value{{"T_1", Value{{"on", "I4"}}}}}}},
-      {"input", Value{{"T_1", Value{{"to", "plant.T_1"},
-                                    {"source", Value{{"type", "jump"},
-                                                     {"times_s", Value::Array{0.0, 0.06}},
-                                                     {"values", Value::Array{-1.0, 1.0}}}}}}}},
-      {"output", Value{{"w3", Value{{"of", "plant.I3.speed"}}},
-                       {"w1", Value{{"of", "plant.I1.speed"}}},
-                       {"twist", Value{{"of", "plant.k2.twist"}}},
-                       {"T", Value{{"of", "plant.k2.torque"}}}}}});
+  return PlanOf(Value{{"run", Value{{"duration_s", 0.2}}},
+                      {"plant", Value{{"type", "drive_line"},
+                                      {"nominal_torque_Nm", 10.0},
+                                      {"inertia", Value{{"I1", 0.05}, {"I2", 6e-3}, {"I3", 3e-3}, {"I4", 3e-3}}},
+                                      {"shaft", Value{{"k1", Shaft("I1", "I2", 1e4, 0.1)},
+                                                      {"k2", Value{{"between", Value::Array{"I2", "I3"}},
+                                                                   {"law", "phase_plane"},
+                                                                   {"stiffness_Nm_per_rad", 15e3},
+                                                                   {"damping_Nms_per_rad", 0.5},
+                                                                   {"half_gap_rad", 0.01}}},
+                                                      {"k3", Shaft("I3", "I4", 2e4, 0.1)}}},
+                                      {"torque", Value{{"T_1", Value{{"on", "I4"}}}}}}},
+                      {"input", Value{{"T_1", Value{{"to", "plant.T_1"},
+                                                    {"source", Value{{"type", "jump"},
+                                                                     {"times_s", Value::Array{0.0, 0.06}},
+                                                                     {"values", Value::Array{-1.0, 1.0}}}}}}}},
+                      {"output", Value{{"w3", Value{{"of", "plant.I3.speed"}}},
+                                       {"w1", Value{{"of", "plant.I1.speed"}}},
+                                       {"twist", Value{{"of", "plant.k2.twist"}}},
+                                       {"T", Value{{"of", "plant.k2.torque"}}}}}});
 }
 
 /// Two inertias joined by a Kelvin-Voigt coupling (thesis Table 4.1, all on either side lumped).
