@@ -46,7 +46,6 @@ void RegisterControls(Registry& registry) {
   registry.Add<controls::ClassicalCore>();
   registry.Add<controls::Core10k>();
   registry.Add<controls::RotorFluxControl>();
-  registry.Add<controls::SpeedControl>();
   registry.Add<controls::SpeedPi>();
 }
 

@@ -71,7 +71,7 @@ TEST(PiecewiseExponential, RefusesWhatItDoesNotKnow) {
   damped["plant"]["shaft"]["gap"]["law"] = Value("damped_phase_plane");
   EXPECT_FALSE(Ask(damped, 1.0, 10).ok());
   Value controlled = OneMassInAGap("dead_zone", 2e4, 1.0);
-  controlled["control"]["x"] = Value{{"type", "speed_control"}};
+  controlled["control"]["x"] = Value{{"type", "speed_pi"}};
   EXPECT_FALSE(Ask(controlled, 1.0, 10).ok());
   Value plain = OneMassInAGap("dead_zone", 2e4, 1.0);
   plain["plant"]["shaft"]["gap"]["law"] = Value("spring_damper");

@@ -155,22 +155,25 @@ TEST(CouplingEffects, OilDynamicsIsTheOilModelOfThatProduct) {
 }
 
 TEST(SpeedPi, IntegratesUnlessItIsAtItsLimit) {
-  const auto control = testing::Build(
-      "control", {{"type", "speed_pi"}, {"k_P_Nms_per_rad", 10.0}, {"k_I_Nm_per_rad", 100.0}, {"limit_Nm", 50.0}});
+  const auto control = testing::Build("control", {{"type", "speed_pi"},
+                                                  {"k_P_Nms_per_rad", 10.0},
+                                                  {"k_I_Nm_per_rad", 100.0},
+                                                  {"limit_Nm", 50.0},
+                                                  {"initial_torque_Nm", 5.0}});
   ASSERT_NE(control, nullptr);
-  double state = 0.0, out = 0.0;
+  double state[2] = {0.0, 0.0}, out = 0.0;
   const double small[] = {3.0, 1.0}, large[] = {9.0, 1.0}, back[] = {0.0, 1.0};
-  control->Tick({0.0, small, {&state, 1}, {}}, {&state, 1}, {&out, 1});
-  EXPECT_EQ(out, 20.0);
-  EXPECT_DOUBLE_EQ(state, 100.0 * 1e-4 * 2.0);
-  const double before = state;
-  control->Tick({0.0, large, {&state, 1}, {}}, {&state, 1}, {&out, 1});
+  control->Tick({0.0, small, state, {}}, state, {&out, 1});
+  EXPECT_EQ(out, 25.0);
+  EXPECT_DOUBLE_EQ(state[0], 5.0 + 100.0 * 1e-4 * 2.0);
+  const double before = state[0];
+  control->Tick({0.0, large, state, {}}, state, {&out, 1});
   EXPECT_EQ(out, 50.0);
-  EXPECT_EQ(state, before);  // no wind-up
-  state = 80.0;
-  control->Tick({0.0, back, {&state, 1}, {}}, {&state, 1}, {&out, 1});
+  EXPECT_EQ(state[0], before);  // no wind-up
+  state[0] = 80.0;
+  control->Tick({0.0, back, state, {}}, state, {&out, 1});
   EXPECT_EQ(out, 50.0);
-  EXPECT_LT(state, 80.0);  // at the limit, but on the way back
+  EXPECT_LT(state[0], 80.0);  // at the limit, but on the way back
 }
 
 Value Engine(double mass, double friction) {

@@ -213,14 +213,15 @@ TEST(InductionMachine, SolversAgree) {
   }
 }
 
-TEST(SpeedControl, HoldsASpeedAgainstALoad) {
+TEST(SpeedPi, HoldsASpeedAgainstALoad) {
   Plan plan = Controlled(Step(0.0), 0.0557, 20.94, 2.0);
-  plan.root["control"]["v"] = Value{{"type", "speed_control"},
-                                    {"inertia_kg_m2", 0.0557},
-                                    {"torque_limit_Nm", 12.0},
+  plan.root["control"]["v"] = Value{{"type", "speed_pi"},
+                                    {"k_P_Nms_per_rad", 1.75},
+                                    {"k_I_Nm_per_rad", 13.7},
+                                    {"limit_Nm", 12.0},
                                     {"inputs", Value{{"speed", "plant.I.speed"}}}};
   plan.root["control"]["c"]["inputs"]["torque"] = Value("control.v.torque");
-  plan.root["input"] = Value{{"set", Value{{"to", "control.v.set_point"}, {"source", Step(20.94, 0.0)}}}};
+  plan.root["input"] = Value{{"set", Value{{"to", "control.v.reference"}, {"source", Step(20.94, 0.0)}}}};
   plan.root["plant"]["load"]["brake"] = Value{{"on", "I"}, {"law", "viscous"}, {"b_Nms_per_rad", 0.1}};
   plan.root["output"]["w"] = Value{{"of", "plant.I.speed"}};
   const Samples run = RunPlan(plan, "realtime");

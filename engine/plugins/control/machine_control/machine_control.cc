@@ -121,36 +121,4 @@ void RotorFluxControl::Tick(const View& view, std::span<double> states, std::spa
   states[kAngle] = angle > kTurn ? angle - kTurn : angle < -kTurn ? angle + kTurn : angle;
 }
 
-PluginInfo SpeedControl::Info() {
-  return {
-      "control",
-      "speed_control",
-      "PI controller of a speed with limited torque",
-      "T = K (e + (1/T_i) integral e), K = 2 pi f_c J, 1/T_i = reset_ratio 2 pi f_c; the integral stands at the limit",
-      "thesis Sec. 3.2.4 (names the controller)",
-      {}};
-}
-
-SpeedControl::SpeedControl(const Params& params, const BuildContext& context)
-    : limit_(params.torque_limit_Nm), initial_torque_(params.initial_torque_Nm) {
-  const double crossover = 2.0 * std::numbers::pi * params.bandwidth_Hz;
-  gain_ = crossover * params.inertia_kg_m2;
-  reset_ = crossover * params.reset_ratio * context.period_s;
-  layout_.inputs = {{"set_point", "rad/s", "wanted speed", 10.0}, {"speed", "rad/s", "measured speed", 10.0}};
-  layout_.outputs = {{"torque", "N m", "set point of the torque", limit_}};
-  layout_.states = {{"begun", "1", "0 before the first tick", 1.0}, {"integral", "N m", "integral part", limit_}};
-}
-
-void SpeedControl::Tick(const View& view, std::span<double> states, std::span<double> outputs) const {
-  if (states[0] == 0.0) {
-    states[0] = 1.0;
-    states[1] = initial_torque_;
-  }
-  const double error = view.inputs[0] - view.inputs[1], wanted = gain_ * error + states[1];
-  const double torque = std::clamp(wanted, -limit_, limit_);
-  outputs[0] = torque;
-  // At the limit the integral only moves back.
-  if (torque == wanted || error * wanted < 0.0) states[1] += gain_ * reset_ * error;
-}
-
 }  // namespace dynoproof::controls

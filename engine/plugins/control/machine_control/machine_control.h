@@ -1,4 +1,4 @@
-// Controllers of an induction machine: `rotor_flux_control` (flux, currents, averaged PWM) and `speed_control`.
+// Control `rotor_flux_control` of an induction machine: flux, currents, averaged PWM.
 #pragma once
 
 #include "model/component.h"
@@ -38,29 +38,6 @@ class RotorFluxControl : public Component {
   MachineModel m_;
   double period_s_, voltage_limit_, current_limit_, gain_, reset_, flux_gain_, flux_reset_, initial_torque_;
   double flux_decay_;  // of the flux over a period
-};
-
-/// PI controller of a speed. Inputs: set_point, speed [rad/s]. Output: torque [N m].
-class SpeedControl : public Component {
- public:
-  struct Params {
-    double inertia_kg_m2 = 0.0, bandwidth_Hz = 5.0, reset_ratio = 0.25, torque_limit_Nm = 0.0, initial_torque_Nm = 0.0;
-    void Visit(auto& v) {
-      v.Required("inertia_kg_m2", inertia_kg_m2, Positive(), "what it moves");
-      v.Optional("bandwidth_Hz", bandwidth_Hz, Between(0.01, 500.0, "Hz"), "crossover of the loop");
-      v.Optional("reset_ratio", reset_ratio, Between(0.0, 1.0), "corner of the integral over the crossover");
-      v.Required("torque_limit_Nm", torque_limit_Nm, Positive(), "largest torque");
-      v.Optional("initial_torque_Nm", initial_torque_Nm, Any(), "torque at t = 0");
-    }
-  };
-  static PluginInfo Info();
-  SpeedControl(const Params& params, const BuildContext& context);
-  void Output(const View&, std::span<double>) const override {}
-  bool FeedsThrough(int, int) const override { return true; }
-  void Tick(const View& view, std::span<double> states, std::span<double> outputs) const override;
-
- private:
-  double gain_, reset_, limit_, initial_torque_;
 };
 
 }  // namespace dynoproof::controls
