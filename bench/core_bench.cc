@@ -1,5 +1,5 @@
-// The 10 kHz core: a step of its parts, of the whole, and of the closed loop (70-mass rotor with all modes, actuator,
-// core). Counter `simulated_per_s` is simulated seconds per second.
+// The 10 kHz core: a step of its parts, of the whole, with a machine and its torque control, and of the closed loop
+// (70-mass rotor with all modes, actuator, core). Counter `simulated_per_s` is simulated seconds per second.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -9,7 +9,9 @@
 #include "base/subnormals.h"
 #include "control10k/classical.h"
 #include "control10k/core.h"
+#include "control10k/torque_control.h"
 #include "experiment/suppression_loop.h"
+#include "plugins/plant/induction_machine/induction_machine.h"
 
 namespace dynoproof {
 namespace {
@@ -39,6 +41,61 @@ void CoreStep(benchmark::State& state) {
   }
 }
 BENCHMARK(CoreStep)->Arg(1)->Arg(0)->ArgName("adapt");
+
+/// The plate of the backlash test bed's machines (Table C.1).
+InductionMachine::Params Plate() {
+  InductionMachine::Params plate;
+  plate.rated_torque_Nm = 12.0;
+  plate.rated_speed_rad_per_s = 171.2;
+  plate.rated_voltage_V = 390.0;
+  plate.rated_current_A = 4.8;
+  return plate;
+}
+
+/// A machine over a period, Runge-Kutta 4 in one step as the realtime solver does.
+void AdvanceMachine(const InductionMachine& machine, const double (&u_alpha_beta_speed)[3], double (&x)[4]) {
+  constexpr double kPeriod = 1e-4, kShare[4] = {0.0, 0.5, 0.5, 1.0};
+  double k[4][4], y[4];
+  for (int stage = 0; stage < 4; ++stage) {
+    for (int i = 0; i < 4; ++i) y[i] = x[i] + (stage == 0 ? 0.0 : kShare[stage] * kPeriod * k[stage - 1][i]);
+    machine.InductionMachine::Derivative({0.0, u_alpha_beta_speed, y, {}}, k[stage]);
+  }
+  for (int i = 0; i < 4; ++i) x[i] += kPeriod / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+}
+
+/// Torque control of a machine, and the machine; with `core` != 0 the core asks for the torque.
+void TorqueControlAndMachine(benchmark::State& state) {
+  const FlushSubnormals flush;
+  std::vector<double> torque = Torque();
+  for (double& one : torque) one *= 0.01;
+  const control10k::Core core(Config());
+  control10k::CoreState memory;
+  core.Start(memory);
+  const InductionMachine::Params plate = Plate();
+  control10k::TorqueConfig config;
+  plate.Derive(config.machine);
+  const control10k::TorqueControl control(config);
+  control10k::TorqueState flux;
+  const InductionMachine machine(plate);
+  double x[4] = {};
+  machine.Start({}, x, {});
+  std::size_t n = 0;
+  double set = 0.0, made = 0.0;
+  for (auto _ : state) {
+    if (state.range(0) != 0) {
+      core.Step(memory, {0.0, 0.01, torque[n], 9.7, true});
+      set = memory.T_ref_Nm;
+    } else {
+      set = torque[n];
+    }
+    const auto out = control.Step(flux, {set, x[0], x[1], 10.0});
+    AdvanceMachine(machine, {out.u_alpha_V, out.u_beta_V, 10.0}, x);
+    made += out.torque_Nm;
+    n = n + 1 < torque.size() ? n + 1 : 0;
+  }
+  benchmark::DoNotOptimize(made);
+}
+BENCHMARK(TorqueControlAndMachine)->Arg(0)->Arg(1)->ArgName("core");
 
 void GoertzelBank(benchmark::State& state) {
   const std::vector<double> torque = Torque();

@@ -1,5 +1,6 @@
-// The 10 kHz core of the test bed's control (C in Fig. 2.2 of the thesis, without the current control): PI speed
-// control with torque feedthrough (2.3), the shaft torque filtered by adaptive notches (Fig. 5.9).
+// The 10 kHz core of the test bed's control (C in Fig. 2.2 of the thesis): PI speed control with torque feedthrough
+// (2.3), the shaft torque filtered by adaptive notches (Fig. 5.9). The machine's currents are torque_control.h's, which
+// takes T_ref as its set point.
 // A step needs no heap, lock, exception, system call or other library than the C mathematical functions; its memory is
 // CoreState, only doubles. Core is const after its construction and may be shared.
 #pragma once

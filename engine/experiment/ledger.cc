@@ -56,6 +56,20 @@ std::vector<Claim> ReadLedger(const std::string& file, Diagnostics& diagnostics)
   return claims;
 }
 
+ClaimResult Judge(const Claim& claim, const Figure& ours) {
+  ClaimResult result;
+  result.claim = claim;
+  if (ours.unit != claim.unit) {
+    result.fault = fmt::format("the study gives \"{}\", the claim is in \"{}\"", ours.unit, claim.unit);
+    return result;
+  }
+  result.ours = ours;
+  const bool same = std::isfinite(ours.value) && std::abs(ours.value - claim.published) <= claim.tolerance;
+  result.standing = same ? Standing::kReproduced : Standing::kContradicted;
+  result.as_expected = ToString(result.standing) == claim.expect && std::isfinite(ours.value);
+  return result;
+}
+
 ClaimResult Reproduce(const Registry& registry, const Claim& claim) {
   ClaimResult result;
   result.claim = claim;
@@ -64,18 +78,8 @@ ClaimResult Reproduce(const Registry& registry, const Claim& claim) {
     return result;
   }
   const Result<Figure> figure = Studies().at(claim.compute.Find("study")->string())(registry, claim.compute);
-  if (!figure.ok()) {
-    result.fault = figure.failure().ToString();
-    return result;
-  }
-  if (figure->unit != claim.unit) {
-    result.fault = fmt::format("the study gives \"{}\", the claim is in \"{}\"", figure->unit, claim.unit);
-    return result;
-  }
-  result.ours = *figure;
-  const bool same = std::isfinite(figure->value) && std::abs(figure->value - claim.published) <= claim.tolerance;
-  result.standing = same ? Standing::kReproduced : Standing::kContradicted;
-  result.as_expected = ToString(result.standing) == claim.expect && std::isfinite(figure->value);
+  if (figure.ok()) return Judge(claim, *figure);
+  result.fault = figure.failure().ToString();
   return result;
 }
 

@@ -49,7 +49,9 @@ const char* ToString(Standing standing);
 /// All claims of the ledger; faults (a claim twice, a study that does not exist, a contradiction without explanation)
 /// become diagnostics.
 std::vector<Claim> ReadLedger(const std::string& file, Diagnostics& diagnostics);
-/// Computes what the claim needs and no more.
+/// The claim beside our figure.
+ClaimResult Judge(const Claim& claim, const Figure& ours);
+/// Computes what the claim needs and no more, and judges it.
 ClaimResult Reproduce(const Registry& registry, const Claim& claim);
 
 }  // namespace dynoproof

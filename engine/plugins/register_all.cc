@@ -4,7 +4,7 @@
 #include "plugins/actuator/static_stages/static_stages.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
-#include "plugins/control/machine_control/machine_control.h"
+#include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
 #include "plugins/effect/contact_changes.h"
 #include "plugins/effect/coupling_effects.h"

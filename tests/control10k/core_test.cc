@@ -8,6 +8,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "control10k/torque_control.h"
+
 namespace control10k {
 namespace {
 
@@ -71,6 +73,51 @@ TEST(Core, AStateCopiedAndContinuedRepeatsItself) {
   std::memcpy(static_cast<void*>(&state), array, sizeof state);
   for (int n = 1777; n < 4000; ++n) second = core.Step(state, {10.0, 9.0, Torque(n), 9.7, true});
   EXPECT_EQ(first, second);
+}
+
+TorqueConfig SmallMachine() {
+  TorqueConfig config;
+  config.machine = {.R_s = 3.9,
+                    .R_R = 2.6,
+                    .L_M = 0.236,
+                    .L_sigma = 0.03,
+                    .pole_pairs = 2.0,
+                    .rated_flux = 0.73,
+                    .rated_i_d = 3.1,
+                    .rated_i_q = 6.04,
+                    .rated_peak_current = 6.79};
+  return config;
+}
+
+TEST(TorqueControl, AStepTakesNoMemory) {
+  const TorqueControl control(SmallMachine());
+  TorqueState state;
+  const auto used = [] { return mallinfo2().uordblks; };
+  const auto before = used();
+  for (int n = 0; n < 20000; ++n) control.Step(state, {std::sin(0.01 * n), 3.0, 0.01 * n, 10.0});
+  EXPECT_EQ(used(), before);
+}
+
+TEST(TorqueControl, VoltageAndCurrentStayWithinTheirLimits) {
+  const TorqueControl control(SmallMachine());
+  TorqueState state;
+  for (int n = 0; n < 2000; ++n) {
+    const TorqueOutputs out = control.Step(state, {1e6, 0.0, 0.0, 100.0});  // asks for far too much, no current comes
+    EXPECT_LE(std::hypot(out.u_alpha_V, out.u_beta_V), 565.0 / std::sqrt(3.0) + 1e-9);
+    EXPECT_LE(out.i_q_set_A, 2.0 * 6.79);
+    EXPECT_TRUE(std::isfinite(out.u_alpha_V));
+  }
+}
+
+TEST(TorqueControl, RefusesAMachineThatIsNone) {
+  EXPECT_TRUE(IsUsable(SmallMachine()));
+  TorqueConfig config = SmallMachine();
+  config.machine.L_sigma = 0.0;
+  EXPECT_FALSE(IsUsable(config));
+  config = SmallMachine();
+  config.overload = 0.5;
+  EXPECT_FALSE(IsUsable(config));
+  EXPECT_FALSE(IsUsable(TorqueConfig{}));
 }
 
 }  // namespace

@@ -19,24 +19,18 @@ std::vector<Claim> Shipped() {
   return claims;
 }
 
-TEST(Ledger, EveryClaimStandsAsItSays) {
+/// Every claim stands as it says, and turns when its figure moves by a little more than its tolerance: none hides
+/// everything.
+TEST(SlowLedger, EveryClaimStandsAsItSaysWithinItsTolerance) {
   const std::vector<Claim> claims = Shipped();
   EXPECT_GE(claims.size(), 50u);
-  for (const Claim& claim : claims) {
+  for (Claim claim : claims) {
     const ClaimResult result = Reproduce(testing::BuiltIns(), claim);
     EXPECT_TRUE(result.as_expected) << claim.id << ": " << result.fault << " ours "
                                     << (result.ours ? result.ours->value : NAN) << ", published " << claim.published;
-  }
-}
-
-/// A claim turns when its figure moves by a little more than its tolerance: no tolerance hides everything.
-TEST(Ledger, ReproducedClaimsTurnWhenTheFigureMoves) {
-  for (Claim claim : Shipped()) {
-    if (claim.expect != "reproduced") continue;
-    const ClaimResult before = Reproduce(testing::BuiltIns(), claim);
-    ASSERT_TRUE(before.ours.has_value()) << claim.id;
-    claim.published = before.ours->value + 1.01 * claim.tolerance + 1e-12;
-    EXPECT_FALSE(Reproduce(testing::BuiltIns(), claim).as_expected) << claim.id;
+    if (claim.expect != "reproduced" || !result.ours) continue;
+    claim.published = result.ours->value + 1.01 * claim.tolerance + 1e-12;
+    EXPECT_FALSE(Judge(claim, *result.ours).as_expected) << claim.id;
   }
 }
 

@@ -42,7 +42,7 @@ Plan With(const Effect& effect, const Place& place, const Plan& plan) {
 /// Motion through a gap is chaotic: only its first 5 ms, with the first contacts, say something.
 constexpr double kBeforeChaos_s = 5e-3;
 
-TEST(Effects, ChangeTheRunAlikeInBothSolvers) {
+TEST(SlowEffects, ChangeTheRunAlikeInBothSolvers) {
   int tried = 0;
   for (const Plan& plan : {Driven(LumpedPlan()), Driven(SoftPlan())}) {
     const Samples nominal = RunPlan(plan, "realtime");

@@ -124,7 +124,7 @@ TEST(SuppressionLoop, FiltersFollowADriftingDevice) {
   EXPECT_LT(std::abs(loop->T_shaft_Nm()), 50.0);
 }
 
-TEST(Campaign, AShortPartOfIt) {
+TEST(SlowCampaign, AShortPartOfIt) {
   CampaignOptions options;
   options.runs = 42;
   options.seed = 1;

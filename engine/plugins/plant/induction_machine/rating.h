@@ -3,20 +3,12 @@
 
 #include <cmath>
 
+#include "control10k/machine.h"
 #include "model/params.h"
 
 namespace dynoproof {
 
-/// Inverse-Gamma equivalent circuit, peak values, star connection.
-struct MachineModel {
-  double R_s, R_R;      // stator, rotor [ohm]
-  double L_M, L_sigma;  // magnetising, leakage [H]
-  double pole_pairs;
-  double rated_flux, rated_i_d, rated_i_q, rated_peak_current;  // [V s], [A]
-
-  double rotor_rate() const { return R_R / L_M; }  // 1 / rotor time constant
-  double TorquePerAmpere(double flux) const { return 1.5 * pole_pairs * flux; }
-};
+using control10k::MachineModel;
 
 /// What a plate says, and what it does not.
 struct Rating {

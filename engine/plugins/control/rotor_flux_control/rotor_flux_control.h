@@ -1,6 +1,8 @@
-// Control `rotor_flux_control` of an induction machine: flux, currents, averaged PWM.
+// Control `rotor_flux_control` of an induction machine: flux, currents, averaged PWM. The code is the core's
+// (engine/control10k/torque_control.h); the plugin only carries.
 #pragma once
 
+#include "control10k/torque_control.h"
 #include "model/component.h"
 #include "model/registry.h"
 #include "plugins/plant/induction_machine/rating.h"
@@ -27,17 +29,12 @@ class RotorFluxControl : public Component {
   };
   static PluginInfo Info();
   RotorFluxControl(const Params& params, const BuildContext& context);
-  void Output(const View&, std::span<double>) const override {}
+  void Output(const View&, std::span<double>) const override {}  // held from tick to tick
   bool FeedsThrough(int in, int out) const override { return out >= 2 && in >= 0; }
   void Tick(const View& view, std::span<double> states, std::span<double> outputs) const override;
 
  private:
-  enum State { kBegun, kAngle, kFlux, kIntegralD, kIntegralQ, kIntegralFlux, kNextAlpha, kNextBeta, kStates };
-  void Begin(double speed, std::span<double> states) const;
-
-  MachineModel m_;
-  double period_s_, voltage_limit_, current_limit_, gain_, reset_, flux_gain_, flux_reset_, initial_torque_;
-  double flux_decay_;  // of the flux over a period
+  control10k::TorqueControl control_;
 };
 
 }  // namespace dynoproof::controls
