@@ -1,40 +1,16 @@
-// A propagation step must not touch the heap: this file replaces operator new for the whole test program and counts.
+// A propagation step must not touch the heap.
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "mechanics/aligned_vector.h"
 #include "mechanics/energy_coordinates.h"
 #include "mechanics/propagator.h"
+#include "tests/support/count_allocations.h"
 #include "tests/support/plants.h"
-
-namespace {
-
-std::atomic<long> allocations{0};
-
-void* Allocate(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  if (void* place = std::aligned_alloc(alignment, rounded > 0 ? rounded : alignment)) return place;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-// Not inlined: the compiler would take free() for the wrong partner of new.
-[[gnu::noinline]] void* operator new(std::size_t size) { return Allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  return Allocate(size, static_cast<std::size_t>(alignment));
-}
-[[gnu::noinline]] void operator delete(void* place) noexcept { std::free(place); }
-[[gnu::noinline]] void operator delete(void* place, std::size_t) noexcept { std::free(place); }
-[[gnu::noinline]] void operator delete(void* place, std::align_val_t) noexcept { std::free(place); }
-[[gnu::noinline]] void operator delete(void* place, std::size_t, std::align_val_t) noexcept { std::free(place); }
 
 namespace dynoproof::mechanics {
 namespace {
+
+using dynoproof::testing::allocations;
 
 /// Every path of a step: pairs, real eigenvalues, a larger block, one and several integrators and outputs.
 LinearSystem Everything() {

@@ -1,24 +1,8 @@
 // The realtime solver's period allocates nothing: linear lines, nonlinear laws, sticking friction, delays and stages
 // alike.
-#include <cstdlib>
-#include <new>
-
+#include "tests/support/count_allocations.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
-
-namespace {
-thread_local long allocations = 0;
-}  // namespace
-
-// GCC takes these for a mismatch with the library's own operators, which they replace.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace dynoproof::testing {
 namespace {
