@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "base/subnormals.h"
+#include "bench/clock.h"
 #include "control10k/classical.h"
 #include "control10k/core.h"
 #include "control10k/torque_control.h"
@@ -39,6 +40,7 @@ void CoreStep(benchmark::State& state) {
     benchmark::DoNotOptimize(core.Step(memory, {0.0, 0.01, torque[n], 9.7, state.range(0) != 0}));
     n = n + 1 < torque.size() ? n + 1 : 0;
   }
+  NoteClock(state);
 }
 BENCHMARK(CoreStep)->Arg(1)->Arg(0)->ArgName("adapt");
 
@@ -94,6 +96,7 @@ void TorqueControlAndMachine(benchmark::State& state) {
     n = n + 1 < torque.size() ? n + 1 : 0;
   }
   benchmark::DoNotOptimize(made);
+  NoteClock(state);
 }
 BENCHMARK(TorqueControlAndMachine)->Arg(0)->Arg(1)->ArgName("core");
 
@@ -108,6 +111,7 @@ void GoertzelBank(benchmark::State& state) {
     n = n + 1 < torque.size() ? n + 1 : 0;
   }
   benchmark::DoNotOptimize(bank);
+  NoteClock(state);
 }
 BENCHMARK(GoertzelBank);
 
@@ -150,6 +154,7 @@ void ClosedLoop(benchmark::State& state) {
     n = n + 1 < torque.size() ? n + 1 : 0;
   }
   benchmark::DoNotOptimize(loop->T_ref_Nm());
+  NoteClock(state);
   // The answer, too: both filters stand where they should.
   if (state.iterations() > 50'000) {
     const auto& placed = loop->core_state().suppression;

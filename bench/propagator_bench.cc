@@ -16,6 +16,7 @@
 #endif
 
 #include "base/subnormals.h"
+#include "bench/clock.h"
 #include "mechanics/aligned_vector.h"
 #include "mechanics/energy_coordinates.h"
 #include "mechanics/propagator.h"
@@ -81,6 +82,7 @@ void Measure(benchmark::State& state, const Simulate& simulate) {
     simulate(task.torque, output);
     benchmark::ClobberMemory();
   }
+  NoteClock(state);
   state.counters["error"] = error;
   state.counters["per_step"] =
       benchmark::Counter(kSteps, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);

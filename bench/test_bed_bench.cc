@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "bench/clock.h"
 #include "experiment/prepare.h"
 #include "sim/simulate.h"
 
@@ -44,6 +45,7 @@ void TestBed(benchmark::State& state, std::vector<std::string> overrides) {
     samples = Simulate(rig, **solver);
     if (!samples.ok()) return state.SkipWithError(samples.failure().ToString().c_str());
   }
+  NoteClock(state);
   static const Result<Samples> exact = [&rig] {
     const auto reference = MakeReferenceSolver(rig);
     return Simulate(rig, **reference);

@@ -25,7 +25,8 @@ struct TorqueInputs {
 
 struct TorqueState {
   double begun = 0.0;                                                    // 0 before the first step
-  double angle_rad = 0.0, flux_Vs = 0.0;                                 // of the rotor flux
+  double frame_alpha = 1.0, frame_beta = 0.0;                            // unit vector along the rotor flux
+  double flux_Vs = 0.0;                                                  // magnitude of the rotor flux
   double integral_d_V = 0.0, integral_q_V = 0.0, integral_flux_A = 0.0;  // of the three controllers
   double next_alpha_V = 0.0, next_beta_V = 0.0;                          // computed last, given next
 };
@@ -47,7 +48,9 @@ class TorqueControl {
   void Begin(TorqueState& state, double speed_rad_per_s) const;
 
   MachineModel m_;
-  double period_s_, voltage_limit_, current_limit_, gain_, reset_, flux_gain_, flux_reset_, initial_torque_;
+  double period_s_, voltage_limit_, current_limit_, gain_, inverse_gain_, reset_, flux_gain_, flux_reset_,
+      initial_torque_;
+  double rotor_rate_, ampere_per_torque_flux_;
   double flux_decay_;  // of the flux over a period
 };
 

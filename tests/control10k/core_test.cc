@@ -2,16 +2,19 @@
 #include "control10k/core.h"
 
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <numbers>
 
 #include "control10k/torque_control.h"
+#include "tests/support/count_allocations.h"
 
 namespace control10k {
 namespace {
+
+using dynoproof::testing::allocations;
 
 CoreConfig Plain() {
   CoreConfig config;
@@ -52,13 +55,11 @@ TEST(Core, AStepTakesNoMemory) {
   const Core core(Plain());
   CoreState state;
   core.Start(state);
-  const auto used = [] { return mallinfo2().uordblks; };
-  const auto before = used();
+  const long before = allocations;
   for (int n = 0; n < 20000; ++n) core.Step(state, {10.0, 9.0, Torque(n), 9.7, true});
-  EXPECT_EQ(used(), before);
-  void* volatile taken = std::malloc(1000);
-  EXPECT_GT(used(), before);  // the counter does count
-  std::free(taken);
+  EXPECT_EQ(allocations, before);
+  const auto taken = std::make_unique<int>(1);
+  EXPECT_GT(allocations, before);  // the counter does count
 }
 
 TEST(Core, AStateCopiedAndContinuedRepeatsItself) {
@@ -92,10 +93,9 @@ TorqueConfig SmallMachine() {
 TEST(TorqueControl, AStepTakesNoMemory) {
   const TorqueControl control(SmallMachine());
   TorqueState state;
-  const auto used = [] { return mallinfo2().uordblks; };
-  const auto before = used();
+  const long before = allocations;
   for (int n = 0; n < 20000; ++n) control.Step(state, {std::sin(0.01 * n), 3.0, 0.01 * n, 10.0});
-  EXPECT_EQ(used(), before);
+  EXPECT_EQ(allocations, before);
 }
 
 TEST(TorqueControl, VoltageAndCurrentStayWithinTheirLimits) {

@@ -6,7 +6,7 @@ namespace dynoproof::controls {
 namespace {
 
 using control10k::TorqueState;
-static_assert(sizeof(TorqueState) == 8 * sizeof(double));  // the states below, in this order
+static_assert(sizeof(TorqueState) == 9 * sizeof(double));  // the states below, in this order
 
 control10k::TorqueConfig ConfigOf(const RotorFluxControl::Params& params, double period_s) {
   control10k::TorqueConfig config;
@@ -47,7 +47,8 @@ RotorFluxControl::RotorFluxControl(const Params& params, const BuildContext& con
                      {"torque", "N m", "estimated torque", params.rated_torque_Nm},
                      {"i_q_set", "A", "set point of the torque-forming current", amperes}};
   layout_.states = {{"begun", "1", "0 before the first tick", 1.0},
-                    {"angle", "rad", "angle of the rotor flux", 1.0},
+                    {"frame_alpha", "1", "unit vector along the rotor flux, real part", 1.0},
+                    {"frame_beta", "1", "the same, imaginary part", 1.0},
                     {"flux", "V s", "magnitude of the rotor flux", machine.rated_flux},
                     {"integral_d", "V", "of the controller of i_d", volts},
                     {"integral_q", "V", "of the controller of i_q", volts},

@@ -29,7 +29,7 @@ class InductionMachine : public Component {
 
  private:
   MachineModel m_;
-  double initial_torque_, inverse_leakage_;
+  double initial_torque_, inverse_leakage_, rotor_rate_, damping_, transfer_;
 };
 
 }  // namespace dynoproof
