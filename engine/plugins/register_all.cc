@@ -104,6 +104,7 @@ void RegisterLaws(Registry& registry) {
   registry.Add<laws::SpringDamperLaw>();
   registry.Add<laws::Stribeck>();
   registry.Add<laws::Viscous>();
+  registry.Add<laws::WarmingSpring>();
 }
 
 void RegisterPlants(Registry& registry) {

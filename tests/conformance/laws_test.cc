@@ -21,6 +21,9 @@ using testing::BuiltIns;
 
 // Sources of energy by purpose. All others must not make any.
 const std::set<std::string> kActive = {"constant", "ripple"};
+/// Laws that change as time goes by: a cycle that begins under load gives back what was stored then. Their energy is a
+/// test of their own (Springs.AWarmingOneMakesNoEnergy).
+const std::set<std::string> kChanging = {"warming_spring"};
 // Laws that are not odd in (twist, rate) by purpose.
 const std::set<std::string> kNotOdd = {"asymmetric", "constant", "ripple"};
 
@@ -134,7 +137,7 @@ TEST(Laws, DeclareTheirStates) {
 
 TEST(Laws, MakeNoEnergyInClosedCycles) {
   ForEachLaw([](const std::string& name, const Law& law) {
-    if (kActive.contains(name)) return;
+    if (kActive.contains(name) || kChanging.contains(name)) return;
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       const double size = std::pow(10.0, -static_cast<double>(seed % 4));  // 1 mrad ... 1 rad
       const Work work = WorkOfCycle(law, Motion(seed, size));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tests/support/build.h"
@@ -45,6 +46,33 @@ TEST(Springs, ValuesByHand) {
   ASSERT_NE(cubic, nullptr);
   EXPECT_EQ(TorqueOf(*cubic, 0.5, 7.0), 49.0);
   EXPECT_EQ(cubic->linear().stiffness, 100.0);
+}
+
+TEST(Springs, AWarmingOneLosesItsShareOfStiffness) {
+  const auto spring = BuildLaw({{"law", "warming_spring"},
+                                {"stiffness_Nm_per_rad", 100.0},
+                                {"damping_Nms_per_rad", 2.0},
+                                {"loss", 0.25},
+                                {"loss_time_s", 3.0}});
+  ASSERT_NE(spring, nullptr);
+  EXPECT_EQ(TorqueOf(*spring, 0.5, 1.0), 52.0);
+  EXPECT_NEAR(spring->Torque({3.0, 0.5, 1.0, 0.0, {}, {}}), 2.0 + 50.0 * (1.0 - 0.25 * (1.0 - std::exp(-1.0))), 1e-12);
+  EXPECT_NEAR(spring->Torque({1e6, 0.5, 1.0, 0.0, {}, {}}), 2.0 + 37.5, 1e-12);
+}
+
+TEST(Springs, AWarmingOneMakesNoEnergy) {
+  // From no twist to no twist: what is put in while it is stiff does not all come back.
+  const auto spring =
+      BuildLaw({{"law", "warming_spring"}, {"stiffness_Nm_per_rad", 100.0}, {"loss", 0.5}, {"loss_time_s", 1.0}});
+  ASSERT_NE(spring, nullptr);
+  constexpr double kStep = 1e-4;
+  double taken = 0.0, lost = 0.0;
+  for (double t = 0.5 * kStep; t < std::numbers::pi; t += kStep) {
+    taken += kStep * std::cos(t) * spring->Torque({t, std::sin(t), std::cos(t), 0.0, {}, {}});
+    lost += kStep * 0.5 * 50.0 * std::exp(-t) * std::sin(t) * std::sin(t);  // -1/2 dk/dt d^2
+  }
+  EXPECT_GT(taken, 1.0);
+  EXPECT_NEAR(taken, lost, 1e-3 * lost);
 }
 
 TEST(Springs, NeedSomethingThatConnects) {

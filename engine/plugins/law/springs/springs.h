@@ -1,5 +1,7 @@
-// Laws of shafts: `spring_damper`, `cubic_spring`.
+// Laws of shafts: `spring_damper`, `cubic_spring`, `warming_spring`.
 #pragma once
+
+#include <cmath>
 
 #include "model/registry.h"
 
@@ -48,6 +50,31 @@ class CubicSpring : public Law {
 
  private:
   double k_, c_, k3_;
+};
+
+/// T = k(t) d + c w, k(t) = k (1 - loss (1 - exp(-t / loss_time))): a part that warms up as it runs.
+class WarmingSpring : public Law {
+ public:
+  struct Params {
+    double stiffness_Nm_per_rad = 0.0, damping_Nms_per_rad = 0.0, loss = 0.0, loss_time_s = 0.0;
+    void Visit(auto& v) {
+      v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, Positive(), "stiffness k at the start");
+      v.Optional("damping_Nms_per_rad", damping_Nms_per_rad, NonNegative(), "damping c");
+      v.Required("loss", loss, Between(0.0, 0.95, "1"), "share of the stiffness that is lost in the end");
+      v.Required("loss_time_s", loss_time_s, Positive(), "time constant of that");
+    }
+  };
+  static PluginInfo Info();
+  explicit WarmingSpring(const Params& params) : p_(params) {}
+
+  SpringDamper linear() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
+  double Torque(const LawView& view) const override {
+    const double lost = -p_.loss * std::expm1(-view.time_s / p_.loss_time_s);
+    return p_.stiffness_Nm_per_rad * (1.0 - lost) * view.twist + p_.damping_Nms_per_rad * view.rate;
+  }
+
+ private:
+  Params p_;
 };
 
 }  // namespace dynoproof::laws
