@@ -64,6 +64,14 @@ TEST(Core, InTheEngineIsBitForBitThatOfTheHarness) {
   EXPECT_LT(output("notch_2").back(), 612.0);
 }
 
+TEST(Core10k, WarnsOfARadiusThatAmplifiesNoise) {
+  std::string faults;
+  EXPECT_NE(testing::Build("control", {{"type", "core_10k"}, {"radius", 0.94}}, {}, &faults), nullptr);
+  EXPECT_NE(faults.find("amplifies noise"), std::string::npos) << faults;
+  EXPECT_NE(testing::Build("control", {{"type", "core_10k"}, {"radius", 0.95}}, {}, &faults), nullptr);
+  EXPECT_EQ(faults, "");
+}
+
 TEST(TorqueControl, InTheEngineIsBitForBitThatOfTheHarness) {
   Diagnostics diagnostics;
   auto prepared =
