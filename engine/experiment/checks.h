@@ -35,6 +35,8 @@ class CheckContext {
   const std::string& solver() const { return solver_; }
   /// Samples of the other solver.
   const Result<Samples>& Other();
+  /// The same if a check has asked for them, else null.
+  const Samples* OtherIfMade() const { return other_ != nullptr && other_->ok() ? &**other_ : nullptr; }
   /// The named oracle's answer for every output that some check asks it for.
   Result<std::vector<double>> Oracle(const std::string& oracle, const std::string& output);
 

@@ -137,6 +137,17 @@ trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
   return trace;
 }
 
+Result<Course> Play(const Prepared& prepared, const Progress& progress) {
+  const Rig& rig = *prepared.rig;
+  const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
+  if (!solver.ok()) return solver.failure();
+  Result<Samples> samples = Simulate(rig, **solver, progress);
+  if (!samples.ok()) return samples.failure();
+  trace::Trace trace = MakeTrace(prepared, *samples);
+  if (Status failed = AddVariants(prepared, trace)) return *failed;
+  return Course{std::move(*samples), std::move(trace)};
+}
+
 ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) {
   ScenarioResult result;
   result.id = prepared.plan.id;
@@ -148,19 +159,14 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.exit_code = failure.exit_code;
     return result;
   };
-  const Rig& rig = *prepared.rig;
-  const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
-  if (!solver.ok()) return broken(solver.failure());
-  const Result<Samples> samples = Simulate(rig, **solver, options.progress);
-  if (!samples.ok()) return broken(samples.failure());
-  trace::Trace trace = MakeTrace(prepared, *samples);
-  if (Status failed = AddVariants(prepared, trace)) return broken(*failed);
+  const Result<Course> course = Play(prepared, options.progress);
+  if (!course.ok()) return broken(course.failure());
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
-  if (Status failed = trace::WriteTrace(file, trace)) return broken(*failed);
+  if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
   result.trace_file = file;
 
-  CheckContext context(prepared.plan, rig, *samples, rig.run.solver);
-  context.trace = &trace;
+  CheckContext context(prepared.plan, *prepared.rig, course->samples, prepared.rig->run.solver);
+  context.trace = &course->trace;
   context.registry = prepared.registry;
   context.records = prepared.records.get();
   for (const auto& check : prepared.checks) {
@@ -174,15 +180,16 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   result.figures = std::move(context.figures);
   if (options.data != nullptr) {
     result.notes.insert(result.notes.end(), options.data->notes.begin(), options.data->notes.end());
-    result.checks = CompareWithRecord(prepared, *samples, *options.data, result.figures);
+    result.checks = CompareWithRecord(prepared, course->samples, *options.data, result.figures);
     if (result.checks.empty()) {
-      result.verdict = score::Verdict::kInconclusive;
       result.notes.push_back("the record has no output of the scenario: nothing was compared");
-      return result;
     }
+  } else if (result.checks.empty()) {
+    result.notes.push_back("the scenario states no checks: nothing was compared");
   }
-  if (result.checks.empty()) result.notes.push_back("the scenario states no checks: nothing was compared");
-  result.verdict = score::Combine(result.checks);
+  const bool inputs_alone = options.data != nullptr && result.checks.empty();
+  result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
+  if (options.seen) options.seen(*course, context, result);
   return result;
 }
 

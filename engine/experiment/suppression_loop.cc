@@ -61,6 +61,24 @@ Result<SampledPlant> Sample(const SuppressionPlant& plant) {
   return SampledPlant{propagated.topLeftCorner(n, n), propagated.col(n).head(n), system.C.row(0)};
 }
 
+/// Solves (z 1 - H) x = g for an upper Hessenberg H, by elimination with row exchanges.
+Eigen::VectorXcd SolveShifted(const Eigen::MatrixXd& H, std::complex<double> z, Eigen::VectorXcd g) {
+  const Eigen::Index n = H.rows();
+  Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> A =
+      (-H).cast<std::complex<double>>();
+  A.diagonal().array() += z;
+  for (Eigen::Index k = 0; k + 1 < n; ++k) {
+    if (std::abs(A(k + 1, k)) > std::abs(A(k, k))) {
+      A.row(k).tail(n - k).swap(A.row(k + 1).tail(n - k));
+      std::swap(g[k], g[k + 1]);
+    }
+    const std::complex<double> factor = A(k + 1, k) / A(k, k);
+    A.row(k + 1).tail(n - k) -= factor * A.row(k).tail(n - k);
+    g[k + 1] -= factor * g[k];
+  }
+  return A.triangularView<Eigen::Upper>().solve(g);
+}
+
 }  // namespace
 
 SuppressionPlant R2RPlant(double I5, double tau_a) {
@@ -177,14 +195,15 @@ Result<std::vector<std::complex<double>>> OpenLoop(const SuppressionPlant& plant
                                                    const std::vector<double>& frequencies_Hz) {
   const Result<SampledPlant> sampled = Sample(plant);
   if (!sampled.ok()) return sampled.failure();
-  const Eigen::MatrixXcd F = sampled->F.cast<std::complex<double>>();
-  const Eigen::Index n = F.rows();
+  // In Hessenberg coordinates a frequency costs n^2, not n^3.
+  const Eigen::HessenbergDecomposition<Eigen::MatrixXd> hessenberg(sampled->F);
+  const Eigen::MatrixXd H = hessenberg.matrixH(), Q = hessenberg.matrixQ();
+  const Eigen::VectorXcd g = (Q.transpose() * sampled->g).cast<std::complex<double>>();
+  const Eigen::RowVectorXcd h = (sampled->h * Q).cast<std::complex<double>>();
   std::vector<std::complex<double>> loop;
   for (const double f : frequencies_Hz) {
     const std::complex<double> z = std::polar(1.0, 2.0 * std::numbers::pi * f * kPeriod_s);
-    const Eigen::VectorXcd x =
-        (z * Eigen::MatrixXcd::Identity(n, n) - F).partialPivLu().solve(sampled->g.cast<std::complex<double>>());
-    std::complex<double> gain = k_V * (sampled->h.cast<std::complex<double>>() * x)[0] * std::pow(z, -delay_samples);
+    std::complex<double> gain = k_V * (h * SolveShifted(H, z, g))[0] * std::pow(z, -delay_samples);
     for (const control10k::NotchCoefficients& c : notches) {
       gain *= (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z));
     }

@@ -1,0 +1,47 @@
+// The atlas: the data figures of the thesis that can be computed here, golden/figures.toml, and their pictures.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "experiment/pictures.h"
+
+namespace dynoproof {
+
+/// One figure of the thesis as the file has it.
+struct AtlasFigure {
+  std::string number, title, missing;
+  std::vector<std::string> scenarios, labels, pictures;
+  bool overlay = false;
+  SourceSpan where = {};
+  void Visit(auto& v) {
+    v.Required("number", number, Any(), "number in the thesis, without \"Fig.\"");
+    v.Required("title", title, Any(), "what it shows, in our words");
+    v.Required("scenarios", scenarios, Any(), "ids of the scenarios that compute it");
+    v.Optional("labels", labels, Any(), "what each scenario is called in the figure; its id when left out");
+    v.Required("pictures", pictures, Any(), "keys of the pictures of a run");
+    v.Optional("overlay", overlay, Any(), "all scenarios in one picture");
+    v.Optional("missing", missing, Any(), "what of the printed figure cannot be compared, and why");
+  }
+};
+
+/// All figures of the file; faults (a number twice, a scenario that does not exist) become diagnostics.
+std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagnostics);
+
+/// Whether a place of the ledger ("Figs. 3.6, 3.7", "Sec. 5.6.1, Fig. 5.19") names the figure; ranges count.
+bool Names(const std::string& place, const std::string& number);
+
+/// A figure with its pictures, scenario by scenario for each key, or one for each key with all scenarios in it. `fault`
+/// is set where a scenario cannot be prepared or run, or does not have a picture.
+struct DrawnFigure {
+  AtlasFigure figure;
+  std::vector<Picture> pictures = {};
+  std::string fault = {};
+};
+/// Runs every scenario that the figures need once, without its checks. `progress` hears the scenario and the fraction
+/// done.
+std::vector<DrawnFigure> Draw(const Registry& registry, const std::vector<AtlasFigure>& figures,
+                              const std::function<void(const std::string&, double)>& progress = {});
+
+}  // namespace dynoproof
