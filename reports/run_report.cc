@@ -40,38 +40,31 @@ int Failed(const ScenarioResult& result) {
                                         [](const Check& check) { return check.verdict != Verdict::kPass; }));
 }
 
-/// Results with the worst first.
-std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results) {
-  std::vector<const ScenarioResult*> sorted;
-  for (const ScenarioResult& result : results) sorted.push_back(&result);
-  const auto badness = [](const ScenarioResult* result) {
-    switch (result->verdict) {
-      case Verdict::kBroken:
-        return 0;
-      case Verdict::kFail:
-        return 1;
-      case Verdict::kInconclusive:
-        return 2;
-      default:
-        return 3;
-    }
-  };
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) { return badness(a) < badness(b); });
-  return sorted;
-}
-
 std::string Limit(const Check& check) {
   const std::string unit = check.unit == "1" ? "" : " " + check.unit;
   return fmt::format("{:.3g}{} (limit {:.3g}{})", check.value, unit, check.limit, unit);
 }
 
-/// A Markdown table cell: no pipes, no line breaks.
-std::string Cell(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
+/// A piece of Markdown inside a line or a table cell: no line breaks, no pipes, no HTML; a long one is cut short.
+std::string Cell(const std::string& text, std::size_t most = 2000) {
   std::string out;
-  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c);
+  for (const char c : text) {
+    if (out.size() >= most) return out + " ...";
+    switch (c) {
+      case '\n':
+      case '\r':
+        out += ' ';
+        break;
+      case '|':
+        out += "\\|";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      default:
+        out += c;
+    }
+  }
   return out;
 }
 
@@ -93,6 +86,25 @@ int ExitCode(const std::vector<ScenarioResult>& results) {
     code = WorseExit(code, result.broken.empty() ? score::ExitCode(result.verdict) : result.exit_code);
   }
   return code;
+}
+
+std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results) {
+  std::vector<const ScenarioResult*> sorted;
+  for (const ScenarioResult& result : results) sorted.push_back(&result);
+  const auto badness = [](const ScenarioResult* result) {
+    switch (result->verdict) {
+      case Verdict::kBroken:
+        return 0;
+      case Verdict::kFail:
+        return 1;
+      case Verdict::kInconclusive:
+        return 2;
+      default:
+        return 3;
+    }
+  };
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) { return badness(a) < badness(b); });
+  return sorted;
 }
 
 nlohmann::json Number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
@@ -176,14 +188,21 @@ std::string ToMarkdown(const std::vector<ScenarioResult>& results, std::size_t m
   for (const ScenarioResult* result : WorstFirst(results)) {
     const Check* worst = WorstCheck(*result);
     const std::string row =
-        fmt::format("| {} | {} | {} | {} | {} | {} |\n", result->id, score::ToString(result->verdict),
+        fmt::format("| {} | {} | {} | {} | {} | {} |\n", Cell(result->id), score::ToString(result->verdict),
                     result->checks.size(), Failed(*result), worst == nullptr ? Cell(result->broken) : Cell(worst->name),
                     worst == nullptr ? "" : Cell(Limit(*worst)));
     std::string detail;
+    if (!result->broken.empty())
+      detail += fmt::format("- **{}**: the run broke: {}\n", Cell(result->id), Cell(result->broken));
     for (const Check& check : result->checks) {
       if (check.verdict == Verdict::kPass) continue;
-      detail += fmt::format("- **{}**: {}: {}. {} Limit: {}\n", result->id, check.name, score::ToString(check.verdict),
-                            Cell(check.explanation), Cell(check.origin));
+      detail += fmt::format("- **{}**: {}: {}. {} Limit: {}\n", Cell(result->id), Cell(check.name),
+                            score::ToString(check.verdict), Cell(check.explanation), Cell(check.origin));
+    }
+    // One scenario with very many failures must not push out the others, nor itself.
+    if (constexpr std::size_t kMost = 50'000; detail.size() > kMost) {
+      detail.resize(detail.rfind('\n', kMost) + 1);
+      detail += fmt::format("- **{}**: more is left out for size; the JSON has it\n", Cell(result->id));
     }
     if (text.size() + details.size() + row.size() + detail.size() > most_bytes) {
       ++left_out;

@@ -27,6 +27,9 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour);
 /// One card per failed check that a person understands in a minute. `again` is the command without the scenario's id.
 std::string ToCards(const std::vector<ScenarioResult>& results, const std::string& again, bool colour);
 
+/// Results with the worst first: broken, fail, inconclusive, pass; else in their order.
+std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results);
+
 /// The check that says most about a scenario: the worst verdict, then the largest share of its limit.
 const score::Check* WorstCheck(const ScenarioResult& result);
 

@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 #include "model/plugin_loader.h"
+#include "reports/html.h"
 
 namespace dynoproof::app {
 
@@ -31,6 +33,35 @@ int WriteText(const std::string& file, const std::string& text) {
   if (!failed) return kGood;
   Complain(failed->ToString() + "\n");
   return kBroken;
+}
+
+int WriteHtml(const std::string& file, const std::string& page) {
+  if (!reports::HasPlotLibrary())
+    Complain("uPlot could not be fetched when this program was built: the page draws its pictures plainly\n");
+  return WriteText(file, page);
+}
+
+bool Writable(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) == 0) return true;
+  Complain(fmt::format("cannot write to the folder \"{}\"\n", folder));
+  return false;
+}
+
+bool CanWrite(const std::vector<std::string>& files) {
+  bool good = true;
+  for (const std::string& file : files) {
+    if (file.empty() || file == "-") continue;
+    if (std::error_code error; std::filesystem::is_directory(file, error)) {
+      Complain(fmt::format("cannot write the file \"{}\": it is a folder\n", file));
+      good = false;
+      continue;
+    }
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    good = Writable(folder.empty() ? "." : folder) && good;
+  }
+  return good;
 }
 
 int WriteJson(const Common& common, const nlohmann::json& document) {

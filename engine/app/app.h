@@ -31,6 +31,12 @@ int Report(const Diagnostics& diagnostics);
 int WriteJson(const Common& common, const nlohmann::json& document);
 /// Writes a file atomically and complains when that fails; kGood or kBroken.
 int WriteText(const std::string& file, const std::string& text);
+/// The same for a report page; says on stderr when its pictures are drawn without uPlot.
+int WriteHtml(const std::string& file, const std::string& page);
+/// Whether files can be made in the folder (made if missing), and in the folder of a file: found out before hours of
+/// work. An empty file name asks for nothing and is fine; complaints go to stderr.
+bool Writable(const std::string& folder);
+bool CanWrite(const std::vector<std::string>& files);
 /// Colours: only on a terminal, and not with NO_COLOR.
 bool ColourOn(int descriptor);
 /// True when the user sees this stream on a terminal.

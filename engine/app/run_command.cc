@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -12,6 +11,7 @@
 #include "app/app.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "reports/run_page.h"
 #include "reports/run_report.h"
 #include "scenario/load.h"
 
@@ -21,13 +21,13 @@ namespace {
 struct RunArguments {
   Common common;
   std::vector<std::string> names, overrides;
-  std::string solver, out = "out", junit, markdown, data, map;
+  std::string solver, out = "out", junit, markdown, html, data, map;
   int jobs = 1;
 };
 
 /// Runs the prepared scenarios, `jobs` at a time, in the order given.
 std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>& scenarios,
-                                   const RunArguments& arguments, const MappedRecord* data) {
+                                   const RunArguments& arguments, const MappedRecord* data, reports::RunPage& page) {
   std::vector<ScenarioResult> results(scenarios.size());
   std::atomic<std::size_t> next = 0, done = 0;
   std::mutex screen;
@@ -42,6 +42,11 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
                      fraction);
         return true;
       };
+      if (!arguments.html.empty()) {
+        options.seen = [&, i](const Course& course, CheckContext& context, const ScenarioResult& result) {
+          page.Add(*scenarios[i], course, context, result);
+        };
+      }
       try {
         results[i] = RunScenario(*scenarios[i], options);
       } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
@@ -58,13 +63,6 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
   for (std::thread& thread : threads) thread.join();
   ClearProgress();
   return results;
-}
-
-/// A file that can be made in the output folder tells that traces can be, before hours of work.
-bool Writable(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  return !error && access(folder.c_str(), W_OK) == 0;
 }
 
 std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& rig, Diagnostics& diagnostics) {
@@ -116,12 +114,11 @@ int Run(const RunArguments& arguments) {
     }
   }
   if (Report(diagnostics) != kGood) return kUsage;
-  if (!Writable(arguments.out)) {
-    Complain(fmt::format("cannot write to the folder \"{}\"\n", arguments.out));
-    return kBroken;
-  }
+  if (!Writable(arguments.out)) return kBroken;
+  if (!CanWrite({arguments.junit, arguments.markdown, arguments.html, arguments.common.json})) return kBroken;
 
-  const std::vector<ScenarioResult> results = RunAll(scenarios, arguments, data ? &*data : nullptr);
+  reports::RunPage page(scenarios.size());
+  const std::vector<ScenarioResult> results = RunAll(scenarios, arguments, data ? &*data : nullptr, page);
   int exit = reports::ExitCode(results);
   std::string again = "dynoproof run";
   for (const std::string& text : arguments.overrides) again += " --set '" + text + "'";
@@ -137,6 +134,7 @@ int Run(const RunArguments& arguments) {
   if (!arguments.junit.empty()) exit = reports::WorseExit(exit, WriteText(arguments.junit, reports::ToJUnit(results)));
   if (!arguments.markdown.empty())
     exit = reports::WorseExit(exit, WriteText(arguments.markdown, reports::ToMarkdown(results)));
+  if (!arguments.html.empty()) exit = reports::WorseExit(exit, WriteHtml(arguments.html, page.Finish(results)));
   nlohmann::json document = reports::ToJson(results);
   document["exit"] = exit;
   return reports::WorseExit(exit, WriteJson(arguments.common, document));
@@ -156,6 +154,7 @@ void AddRun(CLI::App& program, int& exit) {
   command->add_option("--out", arguments->out, "folder of traces (default out)");
   command->add_option("--junit", arguments->junit, "write JUnit XML");
   command->add_option("--markdown", arguments->markdown, "write a Markdown summary");
+  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
   command->add_option("--data", arguments->data,
                       "drive the inputs with this record (CSV, HDF5) and compare its outputs");
   command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)");
@@ -163,6 +162,7 @@ void AddRun(CLI::App& program, int& exit) {
   AddExamples(*command,
               "  dynoproof run r2r/soft_rotor_setup_1\n"
               "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
+              "  dynoproof run backlash/experiment_1 --html out/report.html\n"
               "  dynoproof run r2r/soft_rotor_setup_1 --set plant.inertia.I5=0.171 --solver reference\n"
               "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");
   command->callback([arguments, &exit] { exit = Run(*arguments); });

@@ -1,0 +1,57 @@
+// The Markdown of a run: worst first, and below 1 MiB whatever the run.
+#include "reports/run_report.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace dynoproof::reports {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::size_t kMebibyte = 1U << 20;
+
+ScenarioResult Result(const std::string& id, score::Verdict verdict, int checks, const std::string& explanation) {
+  ScenarioResult result;
+  result.id = id;
+  result.verdict = verdict;
+  for (int i = 0; i < checks; ++i) {
+    score::Check& check = result.checks.emplace_back();
+    check.name = fmt::format("check {}", i);
+    check.verdict = verdict;
+    check.explanation = explanation;
+    check.origin = "made up";
+  }
+  return result;
+}
+
+TEST(Markdown, HasTheWorstFirstAndNoMarkupOfOthers) {
+  const std::string text = ToMarkdown({Result("fine", score::Verdict::kPass, 1, ""),
+                                       Result("short", score::Verdict::kFail, 1, "a|b <script>\nnext line")});
+  EXPECT_LT(text.find("| short |"), text.find("| fine |"));
+  EXPECT_THAT(text, HasSubstr("a\\|b &lt;script> next line"));
+  EXPECT_THAT(text, Not(HasSubstr("left out")));
+}
+
+TEST(Markdown, OfAVeryLargeRunStaysSmallAndCountsWhatItLeavesOut) {
+  std::vector<ScenarioResult> results;
+  for (int i = 0; i < 20'000; ++i) results.push_back(Result(fmt::format("s/{}", i), score::Verdict::kPass, 3, ""));
+  results.push_back(Result("s/last", score::Verdict::kFail, 5, "this is why"));
+  const std::string text = ToMarkdown(results);
+  EXPECT_LT(text.size(), kMebibyte);
+  EXPECT_THAT(text, HasSubstr("this is why"));
+  EXPECT_THAT(text, HasSubstr("left out for size"));
+}
+
+TEST(Markdown, OfOneScenarioWithVeryMuchToSayKeepsIt) {
+  const std::string text = ToMarkdown({Result("loud", score::Verdict::kFail, 3000, std::string(100'000, 'x'))});
+  EXPECT_LT(text.size(), kMebibyte);
+  EXPECT_THAT(text, HasSubstr("| loud | fail | 3000 |"));
+  EXPECT_THAT(text, HasSubstr("- **loud**: check 0"));
+  EXPECT_THAT(text, HasSubstr("left out for size"));
+}
+
+}  // namespace
+}  // namespace dynoproof::reports
