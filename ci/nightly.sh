@@ -22,8 +22,8 @@ step gcc-O3 suite build-O3 "-DCMAKE_CXX_FLAGS_RELEASE=-O3"
 step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=-O2"
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
 step tidy ./ci/presubmit.sh --all
-step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml
-step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json
+step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
+step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py
 step bench ./build/dynoproof bench --json out/nightly/bench.json
