@@ -17,8 +17,9 @@ MAY_INCLUDE = {
     "score": ["base"],
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
+    "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
     "reports": ["experiment", "score", "trace", "model", "mechanics", "base"],
-    "app": ["reports", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
+    "app": ["reports", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
 }
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   app::AddCoupling(program, exit);
   app::AddReproduce(program, exit);
   app::AddCompare(program, exit);
+  app::AddDiagnose(program, exit);
   app::AddBench(program, exit);
   app::AddBless(program, exit);
   app::AddList(program, exit);

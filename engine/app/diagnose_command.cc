@@ -1,0 +1,98 @@
+// dynoproof diagnose
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "app/measured.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/report.h"
+
+namespace dynoproof::app {
+namespace {
+
+struct DiagnoseArguments {
+  Common common;
+  std::string scenario, out = "out";
+  std::vector<std::string> data, maps, holdout, overrides;
+  bool strict = false, resume = false;
+};
+
+int Diagnose(const DiagnoseArguments& arguments) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
+  const std::optional<MeasuredCase> measured =
+      LoadMeasured(arguments.scenario, arguments.data, arguments.maps, arguments.holdout, arguments.overrides,
+                   *registry, diagnostics);
+  if (Report(diagnostics) != kGood || !measured) return kUsage;
+  if (measured->plan.root.Find("prediction_window_s") != nullptr) {
+    Complain(fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
+                         "state (prediction_window_s) is not supported yet; a free run would give a wrong cause\n",
+                         measured->file));
+    return kUsage;
+  }
+  for (const auto* records : {&measured->data, &measured->holdout}) {
+    for (const MappedRecord& record : *records) {
+      if (!record.outputs.empty()) continue;
+      Complain(fmt::format("{}: no output of the scenario is in it: nothing to compare\n", record.file));
+      return kUndecided;
+    }
+  }
+  std::error_code error;
+  std::filesystem::create_directories(arguments.out, error);
+  diagnosis::DiagnoseOptions options;
+  options.out = arguments.out;
+  options.scenario_file = measured->file;
+  options.resume = arguments.resume;
+  std::mutex screen;
+  options.progress = [&screen](const std::string& what, double fraction) {
+    const std::lock_guard<std::mutex> lock(screen);
+    ShowProgress(what, fraction);
+  };
+  const Result<diagnosis::Diagnosis> result =
+      diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
+  ClearProgress();
+  if (!result.ok()) {
+    Complain(result.failure().ToString() + "\n");
+    return result.failure().exit_code;
+  }
+  Print(arguments.common, diagnosis::ToTable(*result));
+  for (const std::string& note : result->notes) Complain(note + "\n");
+  const bool open =
+      result->verdict == diagnosis::Verdict::kAmbiguous || result->verdict == diagnosis::Verdict::kUnexplained;
+  const int exit = arguments.strict && open ? kUndecided : kGood;
+  nlohmann::json document = diagnosis::ToJson(*result);
+  document["exit"] = exit;
+  return std::max(exit == kUndecided ? 0 : exit, WriteJson(arguments.common, document)) != kGood ? kBroken : exit;
+}
+
+}  // namespace
+
+void AddDiagnose(CLI::App& program, int& exit) {
+  auto arguments = std::make_shared<DiagnoseArguments>();
+  CLI::App* command =
+      program.add_subcommand("diagnose", "name the cause of a difference between a scenario and measured data");
+  command->add_option("scenario", arguments->scenario, "id or file")->required();
+  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5); may be given several times")
+      ->required()
+      ->allow_extra_args(false);
+  command->add_option("--map", arguments->maps, "which column is which signal; one for all records, or one each")
+      ->allow_extra_args(false);
+  command->add_option("--holdout", arguments->holdout, "record that takes no part in the choice (else: the last 30 %)")
+      ->allow_extra_args(false);
+  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
+      ->allow_extra_args(false);
+  command->add_option("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
+  command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
+  command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
+              "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
+              "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -");
+  command->callback([arguments, &exit] { exit = Diagnose(*arguments); });
+}
+
+}  // namespace dynoproof::app

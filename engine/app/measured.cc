@@ -1,0 +1,51 @@
+#include "app/measured.h"
+
+#include <fmt/format.h>
+
+#include "experiment/prepare.h"
+#include "model/effect.h"
+#include "scenario/load.h"
+
+namespace dynoproof::app {
+
+std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std::vector<std::string>& data,
+                                         const std::vector<std::string>& maps, const std::vector<std::string>& holdout,
+                                         const std::vector<std::string>& overrides, const Registry& registry,
+                                         Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  MeasuredCase result;
+  const std::vector<std::string> files = FindScenarios(scenario, diagnostics);
+  if (files.size() > 1) diagnostics.Error({scenario}, "names several scenarios", "name one");
+  if (diagnostics.error_count() != before || files.empty()) return std::nullopt;
+  result.file = files.front();
+  // Everything that is wrong with the scenario is reported as `run` would.
+  PrepareOptions options;
+  options.overrides = overrides;
+  const std::unique_ptr<Prepared> prepared = Prepare(result.file, options, registry, diagnostics);
+  if (prepared == nullptr) return std::nullopt;
+  result.plan = prepared->plan;
+  std::vector<SignalName> inputs, outputs;
+  for (const InputLine& line : prepared->rig->inputs) inputs.push_back({line.name, line.unit});
+  for (const OutputLine& line : prepared->rig->outputs) outputs.push_back({line.name, line.unit});
+  const std::size_t records = data.size() + holdout.size();
+  if (maps.size() > 1 && maps.size() != records) {
+    diagnostics.Error({"--map"}, fmt::format("{} maps for {} records", maps.size(), records),
+                      "one map for all records, or one each");
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < records; ++i) {
+    const std::string& file = i < data.size() ? data[i] : holdout[i - data.size()];
+    const Result<trace::Record> record = ReadRecord(file);
+    if (!record.ok()) {
+      diagnostics.Error({file}, record.failure().message);
+      continue;
+    }
+    const std::string map = maps.empty() ? "" : maps.size() == 1 ? maps[0] : maps[i];
+    std::optional<MappedRecord> mapped = MapRecord(*record, map, inputs, outputs, diagnostics);
+    if (mapped) (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
+  }
+  if (diagnostics.error_count() != before) return std::nullopt;
+  return result;
+}
+
+}  // namespace dynoproof::app

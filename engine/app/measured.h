@@ -1,0 +1,28 @@
+// What the commands about measured data share: the scenario, its registry, and records mapped onto it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/app.h"
+#include "experiment/records.h"
+#include "model/plan.h"
+
+namespace dynoproof::app {
+
+struct MeasuredCase {
+  std::string file;  // of the scenario
+  Plan plan;         // its own effects applied
+  std::vector<MappedRecord> data, holdout;
+};
+
+/// Loads scenario and records; one map serves all records, or each its own (first those of --data, then --holdout).
+/// Every fault goes to `diagnostics`.
+std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std::vector<std::string>& data,
+                                         const std::vector<std::string>& maps, const std::vector<std::string>& holdout,
+                                         const std::vector<std::string>& overrides, const Registry& registry,
+                                         Diagnostics& diagnostics);
+
+}  // namespace dynoproof::app

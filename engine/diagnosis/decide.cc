@@ -1,0 +1,94 @@
+#include "diagnosis/decide.h"
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+namespace dynoproof::diagnosis {
+
+std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, const Fit& fit) {
+  const Eigen::VectorXd white = fitter.whitener()(study.measured() - fit.predicted);
+  const Eigen::Index p = fit.jacobian.cols();
+  const auto free = static_cast<Eigen::Index>(fit.doubts.free.size());
+  Eigen::MatrixXd information = fit.jacobian.transpose() * fit.jacobian;
+  for (Eigen::Index k = 0; k < free; ++k) {
+    const double freedom = fit.doubts.freedom[static_cast<std::size_t>(fit.doubts.free[static_cast<std::size_t>(k)])];
+    information(p - free + k, p - free + k) += 1.0 / (freedom * freedom);
+  }
+  std::vector<double> blocks(kBlocks, 0.0);
+  for (int b = 0; b < kBlocks; ++b) {
+    Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(p, p);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(p);
+    const auto each = [&](const auto& visit) {
+      for (const Channel& channel : study.channels()) {
+        const Eigen::Index begin = channel.begin + channel.count * b / kBlocks;
+        visit(begin, channel.begin + channel.count * (b + 1) / kBlocks - begin);
+      }
+    };
+    each([&](Eigen::Index begin, Eigen::Index count) {
+      const auto rows = fit.jacobian.middleRows(begin, count);
+      inside += rows.transpose() * rows;
+      right += rows.transpose() * white.segment(begin, count);
+    });
+    const Eigen::MatrixXd outside = information - inside;
+    const Eigen::VectorXd scale = outside.diagonal().array().max(1e-300).rsqrt();
+    Eigen::MatrixXd scaled = scale.asDiagonal() * outside * scale.asDiagonal();
+    scaled.diagonal().array() += 1e-10;
+    const Eigen::VectorXd shift =
+        p > 0 ? Eigen::VectorXd(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right)) : right;
+    each([&](Eigen::Index begin, Eigen::Index count) {
+      Eigen::VectorXd error = white.segment(begin, count);
+      if (p > 0) error += fit.jacobian.middleRows(begin, count) * shift;
+      blocks[static_cast<std::size_t>(b)] += error.squaredNorm();
+    });
+  }
+  return blocks;
+}
+
+double Threshold(double rows, std::size_t candidates) {
+  // Odds of 1000 to 1 after a fair share for each candidate, beside the information criterion's own log n; and a
+  // thousandth of all squares: what is smaller, an imperfect whitening or a rounded column can bring about.
+  const double odds = 2.0 * std::log(1000.0 * static_cast<double>(std::max<std::size_t>(1, candidates)));
+  return std::max(odds + std::log(std::max(2.0, rows)), 1e-3 * rows);
+}
+
+Standing Compare(const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
+                 const std::vector<double>& blocks, double rows, std::size_t candidates) {
+  Standing standing;
+  standing.chi2_gain = nominal.chi2 - fit.chi2;
+  standing.criterion_gain = nominal.criterion - fit.criterion;
+  const auto p = static_cast<double>(std::max(1, fit.parameters()));
+  const double left = rows - p;
+  if (standing.chi2_gain > 0.0 && left > 1.0 && fit.chi2 > 0.0) {
+    const double f = standing.chi2_gain / p / (fit.chi2 / left);
+    const double tail = boost::math::cdf(boost::math::complement(boost::math::fisher_f(p, left), f));
+    standing.p_value = std::min(1.0, tail * static_cast<double>(candidates));
+  }
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    standing.validation_gain += nominal_blocks[b] - blocks[b];
+    standing.validation_chi2 += blocks[b];
+    standing.blocks_better += blocks[b] < nominal_blocks[b] ? 1 : 0;
+  }
+  const double threshold = Threshold(rows, candidates);
+  standing.significant = standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold &&
+                         standing.p_value < 1e-4 && standing.validation_gain > 0.0 && standing.blocks_better >= 3;
+  return standing;
+}
+
+std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold) {
+  // exp(10 / 2): odds of 150 to 1 tell two candidates apart. Less than one more parameter costs (log n = 11), so that a
+  // law and its generalisation are never both in the set.
+  constexpr double kAlike = 10.0;
+  std::vector<std::size_t> set;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (fits[i].criterion - fits[0].criterion > kAlike) continue;
+    bool needless = false;
+    for (const std::size_t j : set)
+      needless = needless || (fits[i].parameters() > fits[j].parameters() && fits[j].chi2 - fits[i].chi2 < threshold &&
+                              fits[i].hypothesis.effects.back().place == fits[j].hypothesis.effects.back().place);
+    if (!needless) set.push_back(i);
+  }
+  return set;
+}
+
+}  // namespace dynoproof::diagnosis

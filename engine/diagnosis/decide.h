@@ -1,0 +1,36 @@
+// Which of the fitted hypotheses stands: gain on validation parts, information criterion and nested test must agree.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+
+namespace dynoproof::diagnosis {
+
+/// What a fit gains over the nominal hypothesis.
+struct Standing {
+  double chi2_gain = 0.0, criterion_gain = 0.0;
+  double p_value = 1.0;           // nested F test, times the number of candidates
+  double validation_gain = 0.0;   // of the whitened squares on blocks that took no part in the fit
+  int blocks_better = 0;          // of kBlocks
+  double validation_chi2 = 0.0;
+  bool significant = false;
+};
+inline constexpr int kBlocks = 5;
+
+/// Whitened squares on each fifth of the time, from a fit to the other four (one Newton step from the fit to all).
+/// Derive() must have been called on the fit.
+std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, const Fit& fit);
+
+/// Least gain of chi2 that counts, for so many rows and candidates.
+double Threshold(double rows, std::size_t candidates);
+
+Standing Compare(const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
+                 const std::vector<double>& blocks, double rows, std::size_t candidates);
+
+/// Drops what is more complex without being better, and returns the fits (by number) that cannot be told from the best
+/// (fits[0], best criterion first).
+std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold);
+
+}  // namespace dynoproof::diagnosis

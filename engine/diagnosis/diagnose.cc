@@ -1,0 +1,441 @@
+#include "diagnosis/diagnose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "base/random.h"
+#include "diagnosis/decide.h"
+#include "diagnosis/extend.h"
+#include "diagnosis/resume.h"
+#include "diagnosis/screening.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr double kTrainingShare = 0.7;
+constexpr std::size_t kFullFits = 8;   // candidates that are fitted fully after the screening
+constexpr std::size_t kPolished = 5;   // of these, those whose doubts are linearised anew
+
+class Diagnosing {
+ public:
+  Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+             const DiagnoseOptions& options)
+      : study_(study), data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
+
+  Result<Diagnosis> Run() {
+    result_.own_holdout = !holdout_.empty();
+    if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
+    Step("nominal run", 0.0);
+    const Result<Eigen::VectorXd> nominal = study_.Predict(study_.Nominal());
+    if (!nominal.ok()) return nominal.failure();
+    nominal_prediction_ = *nominal;
+    const Result<DoubtModel> doubts = LineariseDoubts(study_, study_.Nominal(), FreedomOf(study_, {}));
+    if (!doubts.ok()) return doubts.failure();
+    Whitener whitener(study_.channels(), study_.measured() - *nominal);
+    Fit null = Fitter(study_, whitener).Evaluate({}, *doubts);
+    if (!null.ok()) return Failure{null.broken, study_.plan().id};
+    // Its colour without what the doubts explain; twice, because the first guess weighs frequencies wrongly.
+    for (int i = 0; i < 2; ++i) {
+      whitener = WhitenerOf(null);
+      null = Fitter(study_, whitener).Evaluate({}, *doubts);
+    }
+    null = Fitter(study_, whitener).Polish(std::move(null), 2);
+    whitener = WhitenerOf(null);
+
+    candidates_ = CandidatesFor(study_, MagnitudesOf(study_));
+    threshold_ = Threshold(whitener.rows(), candidates_.size());
+    std::vector<Fit> fits = FitBest(Fitter(study_, whitener), null, "one effect", 0.05, 0.5);
+    SortAgain(fits, null);
+    Fit best = fits.empty() ? null : fits.front();
+    std::vector<Structure> structure = StructureOf(best);
+    if (!fits.empty() && Above(structure)) TryPairs(fits, null, best, structure);
+    Judge(null, fits, structure);
+    if (Status failed = Conclude(null, fits)) return *failed;
+    result_.simulations = simulations_;
+    Step("done", 1.0);
+    return std::move(result_);
+  }
+
+ private:
+  void Step(const std::string& what, double fraction) { options_.progress(what, fraction); }
+
+  Whitener WhitenerOf(const Fit& fit) const { return {study_.channels(), study_.measured() - fit.predicted}; }
+  std::vector<Structure> StructureOf(const Fit& fit) const {
+    return FindStructure(study_, study_.measured() - fit.predicted, fit.predicted);
+  }
+  static bool Above(const std::vector<Structure>& structure) {
+    return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.found(); });
+  }
+
+  /// Screens every candidate on top of `base` and fits the best ones fully.
+  std::vector<Fit> FitBest(const Fitter& fitter, const Fit& base, const std::string& what, double begin, double end) {
+    const std::string stage = base.Name();
+    std::vector<Screened> screened = saved_.Screening(stage);
+    if (screened.empty()) {
+      screened = Screen(study_, fitter, base, candidates_, threshold_, [&](double done) {
+        Step("screening, " + what, begin + 0.7 * (end - begin) * done);
+      });
+      saved_.KeepScreening(stage, screened);
+    }
+    for (const Screened& one : screened) simulations_ += one.simulations;
+    if (base.hypothesis.effects.empty()) screened_ = screened;
+    std::vector<Fit> fits;
+    for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
+      const Screened& one = screened[k];
+      if (!std::isfinite(one.chi2) || base.chi2 - one.chi2 < 0.3 * threshold_) break;
+      const Candidate& candidate = candidates_[one.candidate];
+      std::vector<Assumed> effects = base.hypothesis.effects;
+      if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
+            return assumed.effect == candidate.effect && assumed.place == candidate.place;
+          }))
+        continue;
+      effects.push_back(candidate.At(one.parameters));
+      Step("fitting " + candidate.ToString(),
+           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(fits.size()) / kFullFits));
+      Fit fit = OptimiseAfresh(fitter, effects, base);
+      simulations_ += fit.simulations;
+      if (fit.ok()) fits.push_back(std::move(fit));
+    }
+    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
+    return fits;
+  }
+
+  /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
+  Fit OptimiseAfresh(const Fitter& fitter, std::vector<Assumed> effects, const Fit& base) {
+    const bool known = saved_.Recall(effects);
+    std::vector<double> freedom = FreedomOf(study_, effects);
+    Hypothesis at{base.doubts.z0, effects};
+    if (freedom != base.doubts.freedom) {
+      // Another set of doubts: they are linearised about the effect itself.
+      const Result<DoubtModel> doubts = LineariseDoubts(study_, at, freedom);
+      if (!doubts.ok()) return fitter.Evaluate(effects, base.doubts);
+      Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 12);
+      fit.simulations += static_cast<int>(doubts->free.size()) + 1;
+      saved_.Keep(fit.hypothesis.effects);
+      return fit;
+    }
+    Fit fit = fitter.Optimise(effects, base.doubts, known ? 2 : 12);
+    if (fit.ok()) saved_.Keep(fit.hypothesis.effects);
+    return fit;
+  }
+
+  /// With the noise's colour taken from the best fit, everything is fitted again: now differences count by their weight
+  /// against the noise, not against the effect itself.
+  void SortAgain(std::vector<Fit>& fits, Fit& null) {
+    if (fits.empty()) return;
+    const auto order = [&] {
+      std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
+    };
+    for (int round = 0; round < 2; ++round) {
+      const Fitter fitter(study_, WhitenerOf(fits.front()));
+      const std::size_t many = std::min(fits.size(), round == 0 ? kPolished + 1 : kPolished);
+      for (std::size_t k = 0; k < fits.size(); ++k) {
+        Step("fitting again: " + fits[k].Name(), 0.5 + 0.1 * round + 0.1 * static_cast<double>(k) / kFullFits);
+        const int before = fits[k].simulations;
+        fits[k] = k < many ? fitter.Polish(std::move(fits[k]), round == 0 ? 2 : 3)
+                           : fitter.Evaluate(fits[k].hypothesis.effects, fits[k].doubts);
+        simulations_ += std::max(0, fits[k].simulations - before);
+      }
+      std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+      if (fits.empty()) return;
+      order();
+    }
+    const Fitter fitter(study_, WhitenerOf(fits.front()));
+    null = fitter.Polish(std::move(null), 3);
+    for (Fit& fit : fits) fit = fitter.Evaluate(fit.hypothesis.effects, fit.doubts);
+    order();
+  }
+
+  void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
+    const Fitter fitter(study_, WhitenerOf(best));
+    Fit base = fitter.Evaluate(best.hypothesis.effects, best.doubts);
+    if (!base.ok()) return;
+    std::vector<Fit> pairs = FitBest(fitter, base, "two effects", 0.7, 0.95);
+    if (pairs.size() > 3) pairs.resize(3);
+    if (pairs.empty()) return;
+    SortAgain(pairs, null);
+    if (pairs.empty()) return;
+    // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
+    std::vector<Structure> left = StructureOf(pairs.front());
+    if (Above(left) || base.chi2 - pairs.front().chi2 < threshold_) {
+      partial_ = "no pair of effects accounts for the rest either";
+      return;
+    }
+    single_ = std::move(fits);
+    fits = std::move(pairs);
+    structure = std::move(left);
+  }
+
+  void Judge(Fit& null, std::vector<Fit>& fits, const std::vector<Structure>& structure) {
+    const Fitter fitter(study_, fits.empty() ? WhitenerOf(null) : WhitenerOf(fits.front()));
+    null = fitter.Evaluate({}, null.doubts);
+    fitter.Derive(null);
+    const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
+    const double rows = fitter.whitener().rows();
+    std::vector<Fit> standing;
+    for (Fit& fit : fits) {
+      const Fit before = fit;
+      fit = fitter.Evaluate(fit.hypothesis.effects, fit.doubts);
+      if (!fit.ok()) continue;
+      fitter.Derive(fit);
+      simulations_ += fit.simulations + fit.parameters();
+      const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
+      const Standing s = Compare(null, null_blocks, fit, blocks, rows, candidates_.size());
+      Considered& considered = result_.considered.emplace_back();
+      const Assumed& last = fit.hypothesis.effects.back();
+      considered.name = last.effect->info().name;
+      considered.at = last.place.ToString();
+      if (fit.hypothesis.effects.size() > 1)
+        considered.name = fit.hypothesis.effects.front().ToString() + " + " + considered.name;
+      considered.validation_nrmse = TotalNrmse(fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
+      considered.why_not = WhyNot(s, fit, fits.front());
+      if (s.significant) standing.push_back(fit);
+    }
+    fits = std::move(standing);
+    const bool rest = Above(structure);
+    for (std::size_t c = 0; c < structure.size(); ++c)
+      result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
+    result_.white = std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
+    result_.at_noise_floor = !rest;
+    if (fits.empty()) {
+      result_.verdict = rest ? Verdict::kUnexplained : Verdict::kNoEffect;
+      result_.reason = rest ? "the residual follows the inputs or has a line, and no candidate accounts for it"
+                            : "the data agree with the model within the doubt about its nominal values";
+      return;
+    }
+    alike_ = AmbiguitySet(fits, threshold_);
+    if (rest) {
+      result_.verdict = Verdict::kUnexplained;
+      result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
+                                   partial_.empty() ? "" : "; ", partial_);
+    } else if (alike_.size() > 3) {
+      result_.verdict = Verdict::kUnexplained;
+      result_.reason = fmt::format("{} candidates account for the data alike", alike_.size());
+    } else {
+      result_.verdict = alike_.size() > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
+      result_.reason = alike_.size() > 1 ? "these data cannot tell the candidates apart"
+                                         : "the residual is at the noise floor with it, and with nothing else";
+    }
+  }
+
+  std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) const {
+    if (!s.significant)
+      return fmt::format("gains too little over the nominal values alone (chi2 {:.0f}, {} of {} validation parts)",
+                         s.chi2_gain, s.blocks_better, kBlocks);
+    const double behind = fit.criterion - best.criterion;
+    if (behind <= 0.0) return "";
+    if (behind <= 10.0) return fmt::format("as good as the best within {:.1f} (-2 log evidence)", behind);
+    if (fit.chi2 <= best.chi2 + 10.0)
+      return fmt::format("no better than the best with more parameters (-2 log evidence {:.0f} behind)", behind);
+    return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
+  }
+
+  /// RMS over the channels of the NRMSE.
+  double TotalNrmse(const Eigen::VectorXd& predicted) const {
+    double sum = 0.0;
+    for (const Channel& c : study_.channels()) {
+      const double ms = (study_.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
+                        static_cast<double>(std::max<Eigen::Index>(1, c.count));
+      sum += ms / std::max(c.spread * c.spread, 1e-300);
+    }
+    return std::sqrt(sum / static_cast<double>(study_.channels().size()));
+  }
+
+  Status Conclude(Fit& null, std::vector<Fit>& fits) {
+    const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
+    const Fit& best = known ? fits.front() : null;
+    NoiseFloor(best);
+    result_.where = FindWhere(study_, study_.measured() - nominal_prediction_, floor_);
+    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      if (best.hypothesis.z[i] == 0.0) continue;
+      const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
+      result_.refitted.push_back({study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i],
+                                  study_.doubts()[i].start});
+    }
+    if (known) ReportEffects(fits);
+    if (Status failed = MeasureGain(best)) return failed;
+    if (result_.verdict == Verdict::kNoEffect) {
+      for (const Screened& one : screened_) {
+        const Candidate& candidate = candidates_[one.candidate];
+        if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
+        result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
+                                           candidate.effect->info().parameters[candidate.strengths[0]].unit,
+                                           one.smallest});
+      }
+    }
+    if (!known) return {};
+    const Result<std::string> file = WriteExtended(study_, best, result_, options_);
+    if (!file.ok()) return file.failure();
+    result_.extended_scenario = *file;
+    return {};
+  }
+
+  void ReportEffects(const std::vector<Fit>& fits) {
+    const Fit& best = fits.front();
+    double evidence = 0.0;
+    for (const Fit& fit : fits) evidence += std::exp(-0.5 * (fit.criterion - best.criterion));
+    Eigen::Index k = 0;
+    for (const Assumed& assumed : best.hypothesis.effects) {
+      FoundEffect& found = result_.effects.emplace_back();
+      found.name = assumed.effect->info().name;
+      found.at = assumed.place.ToString();
+      found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
+      for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
+        const EffectParameter& p = assumed.effect->info().parameters[i];
+        const double half = 1.959964 * std::sqrt(std::max(0.0, best.covariance(k, k)));
+        found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
+                                    std::max(p.lower, assumed.parameters[i] - half),
+                                    std::min(p.upper, assumed.parameters[i] + half)});
+      }
+    }
+    if (result_.verdict == Verdict::kEffectFound || alike_.size() < 2) return;
+    std::vector<std::string> names;
+    std::vector<Assumed> alike;
+    for (const std::size_t i : alike_) {
+      names.push_back(fits[i].Name());
+      alike.push_back(fits[i].hypothesis.effects.back());
+    }
+    result_.ambiguous_with.push_back(names);
+    result_.experiment_text = SeparatingText(alike);
+    const Result<std::string> file = WriteSeparating(study_, alike, options_);
+    if (file.ok()) result_.experiment_scenario = *file;
+  }
+
+  /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
+  /// and nothing but noise is left, the residual itself.
+  void NoiseFloor(const Fit& best) {
+    const Eigen::VectorXd residual = study_.measured() - best.predicted;
+    double sum = 0.0;
+    for (const Channel& c : study_.channels()) {
+      const auto rows = residual.segment(c.begin, c.count);
+      const double rms = std::sqrt(rows.squaredNorm() / static_cast<double>(c.count));
+      const double white = HighFrequencyFloor(rows);
+      const double floor = result_.at_noise_floor ? rms : std::min(white, rms);
+      floor_.push_back(std::max(floor, 1e-9 * std::max(c.spread, c.nominal)));
+      result_.floor_by_signal[c.name] = floor_.back();
+      result_.residual_by_signal[c.name] = rms;
+      sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
+    }
+    result_.noise_floor = std::sqrt(sum / static_cast<double>(study_.channels().size()));
+  }
+
+  /// Opened once, after the choice.
+  Status MeasureGain(const Fit& best) {
+    Step("hold-out", 0.97);
+    const auto gains = [&](const Study& study, const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                           double from_share) {
+      std::map<std::string, SignalGain> all;
+      for (const Channel& c : study.channels()) {
+        const auto first = static_cast<Eigen::Index>(from_share * static_cast<double>(c.count));
+        const Eigen::Index count = c.count - first;
+        if (count < 10) continue;
+        const auto y = study.measured().segment(c.begin + first, count);
+        const double spread = std::max(std::sqrt((y.array() - y.mean()).square().mean()), 1e-12 * c.nominal);
+        const Eigen::ArrayXd b = (y - before.segment(c.begin + first, count)).array().square();
+        const Eigen::ArrayXd a = (y - after.segment(c.begin + first, count)).array().square();
+        SignalGain gain{std::sqrt(b.mean()) / spread, std::sqrt(a.mean()) / spread, 0.0, 0.0};
+        Bootstrap(b, a, spread, gain);
+        all[c.name] = gain;  // of several records the last one
+      }
+      return all;
+    };
+    // Before: the scenario as written, but from the record's own start.
+    Hypothesis plain = study_.Nominal(), start = study_.Nominal();
+    for (std::size_t i = 0; i < plain.z.size(); ++i) {
+      if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
+    }
+    const Result<Eigen::VectorXd> before = study_.Predict(start), after = study_.Predict(best.hypothesis);
+    if (!before.ok()) return before.failure();
+    if (!after.ok()) return after.failure();
+    result_.train = gains(study_, *before, *after, 0.0);
+    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry());
+    Hypothesis chosen = best.hypothesis;
+    if (result_.own_holdout) {
+      for (std::size_t i = 0; i < chosen.z.size(); ++i) {
+        if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
+      }
+    }
+    const Result<Eigen::VectorXd> b = full.Predict(start), a = full.Predict(chosen);
+    if (!b.ok()) return b.failure();
+    if (!a.ok()) return a.failure();
+    simulations_ += 4;
+    result_.holdout = gains(full, *b, *a, result_.own_holdout ? 0.0 : kTrainingShare);
+    double sum_before = 0.0, sum_after = 0.0;
+    for (const auto& [name, gain] : result_.holdout) {
+      sum_before += gain.before * gain.before;
+      sum_after += gain.after * gain.after;
+    }
+    if ((result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) &&
+        sum_after >= sum_before) {
+      result_.verdict = Verdict::kUnexplained;
+      result_.reason = "what gains on the training data does not gain on the hold-out";
+    }
+    return {};
+  }
+
+  /// Blocks of the squares are drawn anew 1000 times: residuals are correlated within a block, hardly across.
+  static void Bootstrap(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, double spread, SignalGain& gain) {
+    const Eigen::Index blocks = std::min<Eigen::Index>(40, before.size() / 5);
+    if (blocks < 2) return;
+    std::vector<std::pair<double, double>> sums(static_cast<std::size_t>(blocks));
+    const Eigen::Index length = before.size() / blocks;
+    for (Eigen::Index i = 0; i < blocks; ++i)
+      sums[static_cast<std::size_t>(i)] = {before.segment(i * length, length).mean(),
+                                           after.segment(i * length, length).mean()};
+    std::vector<double> drawn;
+    for (std::uint64_t draw = 0; draw < 1000; ++draw) {
+      double b = 0.0, a = 0.0;
+      for (std::uint64_t i = 0; i < sums.size(); ++i) {
+        const auto& one = sums[RandomBits(1, draw, i) % sums.size()];
+        b += one.first;
+        a += one.second;
+      }
+      const auto n = static_cast<double>(sums.size());
+      drawn.push_back((std::sqrt(b / n) - std::sqrt(a / n)) / spread);
+    }
+    std::sort(drawn.begin(), drawn.end());
+    gain.lower = drawn[25];
+    gain.upper = drawn[974];
+  }
+
+  const Study& study_;
+  const std::vector<MappedRecord>& data_;
+  const std::vector<MappedRecord>& holdout_;
+  const DiagnoseOptions& options_;
+  SavedFits saved_;
+  Diagnosis result_;
+  std::vector<Candidate> candidates_;
+  std::vector<Screened> screened_;
+  std::vector<Fit> single_;
+  std::vector<std::size_t> alike_;
+  std::vector<double> floor_;
+  Eigen::VectorXd nominal_prediction_;
+  std::string partial_;
+  double threshold_ = 0.0;
+  int simulations_ = 0;
+};
+
+}  // namespace
+
+std::string ToString(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kEffectFound: return "effect_found";
+    case Verdict::kNoEffect: return "no_effect";
+    case Verdict::kAmbiguous: return "ambiguous";
+    case Verdict::kUnexplained: break;
+  }
+  return "unexplained";
+}
+
+Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
+                           const std::vector<MappedRecord>& holdout, const Registry& registry,
+                           const DiagnoseOptions& options) {
+  const Study study(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0);
+  return Diagnosing(study, data, holdout, options).Run();
+}
+
+}  // namespace dynoproof::diagnosis

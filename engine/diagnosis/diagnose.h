@@ -1,0 +1,79 @@
+// From records to a cause: what the simulation gets wrong, which effect accounts for it, what it gains on data that
+// took no part in the choice - or that nothing accounts for it. README.md has the method and its limits.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/status.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/where.h"
+
+namespace dynoproof::diagnosis {
+
+enum class Verdict { kEffectFound, kNoEffect, kAmbiguous, kUnexplained };
+std::string ToString(Verdict verdict);
+
+struct FoundParameter {
+  std::string name, unit;
+  double value = 0.0, lower = 0.0, upper = 0.0;  // 95 % interval
+};
+struct FoundEffect {
+  std::string name, at;
+  double confidence = 0.0;  // against the other candidates, from the evidence
+  std::vector<FoundParameter> parameters;
+};
+struct Considered {
+  std::string name, at, why_not;
+  double validation_nrmse = 0.0;
+};
+struct SignalGain {
+  double before = 0.0, after = 0.0, lower = 0.0, upper = 0.0;  // NRMSE; interval of before - after
+};
+struct Seen {
+  std::string name, at, unit;
+  double smallest = 0.0;
+};
+/// A nominal value that was fitted along.
+struct Refitted {
+  std::string path;
+  double nominal = 0.0, value = 0.0, deviation = 0.0;  // deviation in spreads of the prior
+  bool start = false;                                  // of the record, not of the model
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::kUnexplained;
+  std::vector<FoundEffect> effects;
+  std::vector<std::vector<std::string>> ambiguous_with;  // each a set of candidates that look alike
+  std::string experiment_text, experiment_scenario, extended_scenario;
+  WhereWrong where;
+  double noise_floor = 0.0;  // NRMSE that noise alone would leave; RMS over the signals
+  bool at_noise_floor = false, white = false;
+  double p_value = 1.0;  // of the residual being white after its own colour is taken off
+  std::map<std::string, double> floor_by_signal, residual_by_signal;  // unit of the signal
+  std::map<std::string, SignalGain> train, holdout;
+  bool own_holdout = false;  // --holdout was given
+  std::vector<Seen> would_have_seen;
+  std::vector<Considered> considered;
+  std::vector<Refitted> refitted;
+  std::vector<std::string> notes;
+  std::string reason;  // one sentence: why this verdict
+  int simulations = 0;
+};
+
+struct DiagnoseOptions {
+  std::string out = "out";      // folder of extended.toml, separate.toml and the saved fits
+  std::string scenario_file;    // what extended.toml includes
+  bool resume = false;
+  std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
+};
+
+/// `plan`: nominal, its own effects applied. Fails where the nominal run breaks or a file cannot be written.
+Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
+                           const std::vector<MappedRecord>& holdout, const Registry& registry,
+                           const DiagnoseOptions& options);
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,38 @@
+// Nominal values that a diagnosis may not take for exact: inertias, stiffnesses and dampings of the data sheet, and the
+// state the record starts from. Each is a normal deviate of the plan with a stated spread, fitted along with every
+// hypothesis, so that a value a little off is neither an alarm nor credited to an effect.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/effect.h"
+#include "model/plan.h"
+
+namespace dynoproof::diagnosis {
+
+/// One doubtful number of a plan: value = nominal (1 + spread z), or nominal + spread z, with z standard normal.
+struct Doubt {
+  std::string path;     // "plant.inertia.I5"
+  bool relative = true;
+  double spread = 0.0;  // of the value over its nominal, or in its own unit
+  bool start = false;   // belongs to the record, not to the model
+  std::string effect, at;  // the effect and place that change the same number; empty: none
+  bool only_wide = false;  // free only where a hypothesis changes the structure
+};
+
+/// Every doubtful number of the plan.
+std::vector<Doubt> DoubtsOf(const Plan& plan);
+
+/// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
+/// passed over, and so is what would turn a positive number negative.
+void ApplyDoubts(const std::vector<Doubt>& doubts, const std::vector<double>& z, Plan& plan);
+
+/// The value at z = 0 and at z.
+struct DoubtValue {
+  double nominal, value;
+};
+DoubtValue ValueOf(const Doubt& doubt, double z, const Plan& plan);
+
+}  // namespace dynoproof::diagnosis

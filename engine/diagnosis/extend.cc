@@ -1,0 +1,119 @@
+#include "diagnosis/extend.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "base/atomic_file.h"
+#include "score/series.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// TOML wants a point or an exponent in a float.
+std::string Number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".eE") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string IncludeOf(const DiagnoseOptions& options) {
+  const fs::path file = fs::weakly_canonical(options.scenario_file), out = fs::weakly_canonical(options.out);
+  return fs::relative(file, out).generic_string();
+}
+
+Result<std::string> Write(const DiagnoseOptions& options, const char* name, const std::string& text) {
+  const fs::path file = fs::path(options.out) / name;
+  if (Status failed = WriteFileAtomically(file, text)) return *failed;
+  return file.generic_string();
+}
+
+}  // namespace
+
+Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
+                                  const DiagnoseOptions& options) {
+  std::string text = fmt::format(
+      "# {} with what a diagnosis found. Intervals are 95 %.\n"
+      "include = [\"{}\"]\n",
+      study.plan().id, IncludeOf(options));
+  // Values fitted along, as dotted tables: [plant.inertia] I5 = ...
+  std::set<std::string> tables;
+  std::vector<std::pair<std::string, std::string>> lines;
+  for (std::size_t i = 0; i < study.doubts().size(); ++i) {
+    const Doubt& doubt = study.doubts()[i];
+    if (doubt.start || fit.hypothesis.z[i] == 0.0) continue;
+    const std::size_t dot = doubt.path.rfind('.');
+    // An effect may remove the part; its value is then of no use.
+    const DoubtValue value = ValueOf(doubt, fit.hypothesis.z[i], study.plan());
+    lines.emplace_back(doubt.path.substr(0, dot),
+                       fmt::format("{} = {}  # nominal {}, fitted along\n", doubt.path.substr(dot + 1),
+                                   Number(value.value), Number(value.nominal)));
+    tables.insert(lines.back().first);
+  }
+  for (const std::string& table : tables) {
+    text += fmt::format("\n[{}]\n", table);
+    for (const auto& [in, line] : lines) {
+      if (in == table) text += line;
+    }
+  }
+  for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) {
+    const Assumed& assumed = fit.hypothesis.effects[e];
+    text += fmt::format("\n[[effect]]\nname = \"{}\"\nat = \"{}\"\n", assumed.effect->info().name,
+                        assumed.place.ToString());
+    if (assumed.parameters.empty()) continue;
+    text += "[effect.parameters]\n";
+    for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
+      const FoundParameter& found = diagnosis.effects[e].parameters[i];
+      text += fmt::format("{} = {}  # {}, {:.6g} ... {:.6g}\n", found.name, Number(assumed.parameters[i]), found.unit,
+                          found.lower, found.upper);
+    }
+  }
+  return Write(options, "extended.toml", text);
+}
+
+std::string SeparatingText(const std::vector<Assumed>& alike) {
+  std::set<std::string> kinds, names, places;
+  for (const Assumed& assumed : alike) {
+    kinds.insert(assumed.place.kind);
+    names.insert(assumed.effect->info().name);
+    places.insert(assumed.place.ToString());
+  }
+  if (kinds.contains("input") && kinds.contains("output"))
+    return "record a second, independent sensor beside the output, or the actuator's own feedback: what the input does "
+           "shows in every output, what one sensor does only in its own";
+  if (kinds.size() == 1 && kinds.contains("output"))
+    return "calibrate the sensors at standstill and under a known load; record again";
+  if (names.size() == 1)
+    return fmt::format(
+        "the effect is the same, the place is not: excite the modes in which these places move against each other "
+        "(broad band, up to the highest mode), and record a speed or torque between them ({})",
+        fmt::join(places, ", "));
+  return "drive the line with a slow triangle of torque through standstill in both directions, at two amplitudes a "
+         "factor of four apart, with a small broad-band torque on top: laws then differ in how they grow with speed, "
+         "twist and amplitude, places in how the higher modes see them";
+}
+
+Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
+                                    const DiagnoseOptions& options) {
+  std::string text = fmt::format(
+      "# {}: an experiment to tell candidates apart.\n# {}\ninclude = [\"{}\"]\n\n[run]\nduration_s = 10.0\n",
+      study.plan().id, SeparatingText(alike), IncludeOf(options));
+  int seed = 101;
+  for (const auto& [name, series] : study.records().front().inputs) {
+    const double peak = std::max(score::Largest(*series.values), 1e-9), step = score::MedianStep(*series.time);
+    // Slow swings of two sizes through zero, and a multisine up to a fifth of the sampling rate.
+    text += fmt::format(
+        "\n[input.{}.source]\ntype = \"sum\"\nsources = [\n"
+        "  {{ type = \"multisine\", rms = {}, low_Hz = 1.0, high_Hz = {}, lines = 400, seed = {} }},\n"
+        "  {{ type = \"sine_sum\", amplitudes = [{}, {}], frequencies_Hz = [0.1, 0.7], phases_rad = [0.0, 0.0] }},\n]\n",
+        name, Number(0.25 * peak), Number(0.2 / step), seed++, Number(0.8 * peak), Number(0.2 * peak));
+  }
+  return Write(options, "separate.toml", text);
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,21 @@
+// Scenario files that a diagnosis writes: the extended model, and the experiment that tells candidates apart.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "diagnosis/diagnose.h"
+
+namespace dynoproof::diagnosis {
+
+/// `out`/extended.toml: the scenario by include, the nominal values that were fitted along, and one [[effect]] each.
+Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
+                                  const DiagnoseOptions& options);
+
+/// What would separate these candidates, in words; and `out`/separate.toml with that excitation.
+std::string SeparatingText(const std::vector<Assumed>& alike);
+Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
+                                    const DiagnoseOptions& options);
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,362 @@
+#include "diagnosis/fit.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "diagnosis/parallel.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+// A change of structure re-draws the line: the values of the parts around it were fitted to the wrong structure and are
+// worth little. 40 spreads: 40 % of an inertia or stiffness.
+constexpr double kWide = 40.0;
+
+bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
+
+/// The projection onto the doubts: for a whitened error it gives the doubts that fit best.
+class Projection {
+ public:
+  Projection(const DoubtModel& doubts, const Whitener& whitener) : doubts_(doubts) {
+    const auto m = static_cast<Eigen::Index>(doubts.free.size());
+    white_.resize(doubts.jacobian.rows(), m);
+    prior_.resize(m);
+    centre_.resize(m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      white_.col(k) = whitener(doubts.jacobian.col(k));
+      const auto i = static_cast<std::size_t>(doubts.free[static_cast<std::size_t>(k)]);
+      prior_[k] = 1.0 / doubts.freedom[i];
+      centre_[k] = doubts.z0[i];
+    }
+    Eigen::MatrixXd information = white_.transpose() * white_;
+    information.diagonal() += prior_.cwiseAbs2();
+    if (m > 0) {
+      factor_.compute(information);
+      const Eigen::VectorXd d = factor_.vectorD();
+      log_det_ = d.array().max(1e-300).log().sum() - 2.0 * prior_.array().log().sum();
+    }
+  }
+
+  /// Shift of the free doubts for a whitened error.
+  Eigen::VectorXd Shift(const Eigen::VectorXd& error) const {
+    if (prior_.size() == 0) return {};
+    return factor_.solve(white_.transpose() * error - prior_.cwiseAbs2().cwiseProduct(centre_));
+  }
+  /// What is left: the error without its part along the doubts, then the doubts over their prior.
+  Eigen::VectorXd Residual(const Eigen::VectorXd& error, const Eigen::VectorXd& shift) const {
+    Eigen::VectorXd all(error.size() + prior_.size());
+    all.head(error.size()) = error;
+    if (prior_.size() > 0) {
+      all.head(error.size()).noalias() -= white_ * shift;
+      all.tail(prior_.size()) = prior_.cwiseProduct(centre_ + shift);
+    }
+    return all;
+  }
+  double log_det() const { return log_det_; }
+  const Eigen::MatrixXd& white() const { return white_; }
+  const Eigen::VectorXd& prior() const { return prior_; }
+
+ private:
+  const DoubtModel& doubts_;
+  Eigen::MatrixXd white_;
+  Eigen::VectorXd prior_, centre_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  double log_det_ = 0.0;
+};
+
+/// How a search sees the parameters: logarithms where the range spans decades and no value is neutral, else multiples
+/// of a natural step. All searched numbers are about 1 apart.
+class Coordinates {
+ public:
+  explicit Coordinates(const std::vector<Assumed>& effects) : effects_(effects) {
+    for (const Assumed& assumed : effects) {
+      for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
+        const EffectParameter& p = assumed.effect->info().parameters[i];
+        Axis axis{p.lower, p.upper, 0.0, 1.0, false};
+        const double value = assumed.parameters[i];
+        axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
+        if (!axis.log) {
+          axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;
+          axis.scale = std::abs(value - axis.origin);
+          if (!(axis.scale > 0.0)) axis.scale = std::abs(p.start - axis.origin);
+          if (!(axis.scale > 0.0)) axis.scale = 1e-3 * (p.upper - p.lower);
+        }
+        axes_.push_back(axis);
+      }
+    }
+  }
+  std::size_t size() const { return axes_.size(); }
+  double lower(std::size_t i) const { return To(i, axes_[i].lower); }
+  double upper(std::size_t i) const { return To(i, axes_[i].upper); }
+  /// d value / d coordinate.
+  double Slope(std::size_t i, double value) const { return axes_[i].log ? value : axes_[i].scale; }
+  std::vector<double> Start() const {
+    std::vector<double> x;
+    for (const Assumed& assumed : effects_) {
+      for (const double value : assumed.parameters)
+        x.push_back(std::clamp(To(x.size(), value), lower(x.size()), upper(x.size())));
+    }
+    return x;
+  }
+  std::vector<Assumed> At(const double* x) const {
+    std::vector<Assumed> effects = effects_;
+    std::size_t k = 0;
+    for (Assumed& assumed : effects) {
+      for (double& value : assumed.parameters) {
+        const Axis& axis = axes_[k];
+        value = axis.log ? std::exp(x[k]) : axis.origin + axis.scale * x[k];
+        value = std::clamp(value, axis.lower, axis.upper);
+        ++k;
+      }
+    }
+    return effects;
+  }
+
+ private:
+  struct Axis {
+    double lower, upper, origin, scale;
+    bool log;
+  };
+  double To(std::size_t i, double value) const {
+    return axes_[i].log ? std::log(value) : (value - axes_[i].origin) / axes_[i].scale;
+  }
+  std::vector<Assumed> effects_;
+  std::vector<Axis> axes_;
+};
+
+// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines, and to 1e-4 where friction
+// sticks; a step of 1e-3 of a parameter's own size stands above both.
+constexpr double kStep = 1e-3;
+
+class FreeRunCost : public ceres::CostFunction {
+ public:
+  FreeRunCost(const Study& study, const Whitener& whitener, const DoubtModel& doubts, const Projection& projection,
+              const Coordinates& coordinates, int* simulations)
+      : study_(study),
+        whitener_(whitener),
+        doubts_(doubts),
+        projection_(projection),
+        coordinates_(coordinates),
+        simulations_(simulations) {
+    set_num_residuals(static_cast<int>(study.measured().size() + static_cast<Eigen::Index>(doubts.free.size())));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(coordinates.size()));
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const double* x = parameters[0];
+    const std::size_t n = coordinates_.size();
+    const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
+    std::vector<Eigen::VectorXd> points(derive ? n + 1 : 1);
+    std::vector<double> steps(n, 0.0);
+    std::atomic<bool> good = true;
+    ParallelFor(points.size(), 0, [&](std::size_t k) {
+      std::vector<double> at(x, x + n);
+      if (k > 0) {
+        double& moved = at[k - 1];
+        const double step = kStep * std::max(1.0, std::abs(moved));
+        steps[k - 1] = moved + step <= coordinates_.upper(k - 1) ? step : -step;
+        moved += steps[k - 1];
+      }
+      const Result<Eigen::VectorXd> predicted = study_.Predict({doubts_.z0, coordinates_.At(at.data())});
+      if (!predicted.ok() || !predicted->allFinite()) {
+        good = false;
+        return;
+      }
+      const Eigen::VectorXd error = whitener_(study_.measured() - *predicted);
+      points[k] = projection_.Residual(error, projection_.Shift(error));
+    });
+    *simulations_ += static_cast<int>(points.size());
+    if (!good) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, points[0].size()) = points[0];
+    if (!derive) return true;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> out(
+        jacobians[0], points[0].size(), static_cast<Eigen::Index>(n));
+    for (std::size_t k = 0; k < n; ++k) out.col(static_cast<Eigen::Index>(k)) = (points[k + 1] - points[0]) / steps[k];
+    return true;
+  }
+
+ private:
+  const Study& study_;
+  const Whitener& whitener_;
+  const DoubtModel& doubts_;
+  const Projection& projection_;
+  const Coordinates& coordinates_;
+  int* simulations_;
+};
+
+}  // namespace
+
+std::string Fit::Name() const {
+  std::string name;
+  for (const Assumed& assumed : hypothesis.effects) name += (name.empty() ? "" : " + ") + assumed.ToString();
+  return name.empty() ? "nominal" : name;
+}
+
+int Fit::parameters() const {
+  std::size_t count = 0;
+  for (const Assumed& assumed : hypothesis.effects) count += assumed.parameters.size();
+  return static_cast<int>(count);
+}
+
+std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects) {
+  std::vector<double> freedom;
+  const bool wide = std::any_of(effects.begin(), effects.end(), ChangesStructure);
+  const Plan changed = study.PlanOf({std::vector<double>(study.doubts().size(), 0.0), effects});
+  for (const Doubt& doubt : study.doubts()) {
+    double free = doubt.start ? 1.0 : wide ? kWide : 1.0;
+    if (doubt.only_wide && !wide) free = 0.0;
+    const std::size_t dot = doubt.path.rfind('.');
+    if (changed.root.FindPath(doubt.path.substr(0, dot)) == nullptr) free = 0.0;
+    if (doubt.relative && changed.root.FindPath(doubt.path) == nullptr) free = 0.0;
+    for (const Assumed& assumed : effects) {
+      if (assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at) free = 0.0;
+    }
+    freedom.push_back(free);
+  }
+  return freedom;
+}
+
+Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom) {
+  DoubtModel model;
+  model.z0 = at.z;
+  model.freedom = std::move(freedom);
+  for (std::size_t i = 0; i < model.freedom.size(); ++i) {
+    if (model.freedom[i] > 0.0) model.free.push_back(static_cast<int>(i));
+  }
+  // A fifth of a spread: 0.2 % of a stiffness moves a resonance by 0.1 %, well within its width.
+  constexpr double kDoubtStep = 0.1;
+  std::vector<Eigen::VectorXd> points(model.free.size() + 1);
+  std::mutex guard;
+  Status failed;
+  ParallelFor(points.size(), 0, [&](std::size_t k) {
+    Hypothesis moved = at;
+    if (k > 0) moved.z[static_cast<std::size_t>(model.free[k - 1])] += kDoubtStep;
+    Result<Eigen::VectorXd> predicted = study.Predict(moved);
+    if (predicted.ok()) {
+      points[k] = std::move(*predicted);
+    } else {
+      const std::lock_guard<std::mutex> lock(guard);
+      failed = predicted.failure();
+    }
+  });
+  if (failed) return *failed;
+  model.jacobian.resize(study.measured().size(), static_cast<Eigen::Index>(model.free.size()));
+  for (std::size_t k = 0; k < model.free.size(); ++k)
+    model.jacobian.col(static_cast<Eigen::Index>(k)) = (points[k + 1] - points[0]) / kDoubtStep;
+  return model;
+}
+
+Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const {
+  Fit fit;
+  fit.hypothesis = {doubts.z0, effects};
+  fit.doubts = doubts;
+  fit.simulations = 1;
+  const Result<Eigen::VectorXd> predicted = study_.Predict(fit.hypothesis);
+  if (!predicted.ok() || !predicted->allFinite()) {
+    fit.broken = predicted.ok() ? "not finite" : predicted.failure().ToString();
+    return fit;
+  }
+  const Projection projection(doubts, whitener_);
+  const Eigen::VectorXd error = whitener_(study_.measured() - *predicted);
+  const Eigen::VectorXd shift = projection.Shift(error);
+  fit.chi2 = projection.Residual(error, shift).squaredNorm();
+  fit.predicted = *predicted;
+  if (shift.size() > 0) fit.predicted += doubts.jacobian * shift;
+  for (std::size_t k = 0; k < doubts.free.size(); ++k)
+    fit.hypothesis.z[static_cast<std::size_t>(doubts.free[k])] += shift[static_cast<Eigen::Index>(k)];
+  fit.criterion = fit.chi2 + projection.log_det() + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
+  return fit;
+}
+
+Fit Fitter::Optimise(const std::vector<Assumed>& effects, const DoubtModel& doubts, int iterations) const {
+  const Coordinates coordinates(effects);
+  if (coordinates.size() == 0) return Evaluate(effects, doubts);
+  const Projection projection(doubts, whitener_);
+  std::vector<double> x = coordinates.Start();
+  int simulations = 0;
+  ceres::Problem problem;
+  problem.AddResidualBlock(new FreeRunCost(study_, whitener_, doubts, projection, coordinates, &simulations), nullptr,
+                           x.data());
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    problem.SetParameterLowerBound(x.data(), static_cast<int>(i), coordinates.lower(i));
+    problem.SetParameterUpperBound(x.data(), static_cast<int>(i), coordinates.upper(i));
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = iterations;
+  options.function_tolerance = 1e-6;  // of a chi2 of 1e5: 0.1, far below what decides
+  options.parameter_tolerance = 1e-7;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  Fit fit = Evaluate(coordinates.At(x.data()), doubts);
+  fit.simulations += simulations;
+  if (!summary.IsSolutionUsable() && fit.ok() && !std::isfinite(fit.chi2)) fit.broken = summary.message;
+  return fit;
+}
+
+Fit Fitter::Polish(Fit fit, int rounds) const {
+  for (int round = 0; round < rounds && fit.ok(); ++round) {
+    const Result<DoubtModel> doubts =
+        LineariseDoubts(study_, fit.hypothesis, FreedomOf(study_, fit.hypothesis.effects));
+    if (!doubts.ok()) break;
+    Fit next = Optimise(fit.hypothesis.effects, *doubts, 8);
+    next.simulations += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
+    if (!next.ok()) break;
+    const bool settled = round > 0 && std::abs(next.chi2 - fit.chi2) < 0.5;
+    fit = std::move(next);
+    if (settled) break;
+  }
+  return fit;
+}
+
+void Fitter::Derive(Fit& fit) const {
+  const Coordinates coordinates(fit.hypothesis.effects);
+  const auto p = static_cast<Eigen::Index>(coordinates.size());
+  const auto m = static_cast<Eigen::Index>(fit.doubts.free.size());
+  const std::vector<double> x = coordinates.Start();
+  fit.jacobian.resize(study_.measured().size(), p + m);
+  std::vector<Eigen::VectorXd> points(static_cast<std::size_t>(p) + 1);
+  std::vector<double> steps(static_cast<std::size_t>(p));
+  ParallelFor(points.size(), 0, [&](std::size_t k) {
+    std::vector<double> at = x;
+    if (k > 0) {
+      const double step = kStep * std::max(1.0, std::abs(at[k - 1]));
+      steps[k - 1] = at[k - 1] + step <= coordinates.upper(k - 1) ? step : -step;
+      at[k - 1] += steps[k - 1];
+    }
+    const Result<Eigen::VectorXd> predicted = study_.Predict({fit.hypothesis.z, coordinates.At(at.data())});
+    if (predicted.ok()) points[k] = whitener_(*predicted);
+  });
+  fit.simulations += static_cast<int>(points.size());
+  std::vector<double> values;
+  for (const Assumed& assumed : fit.hypothesis.effects)
+    values.insert(values.end(), assumed.parameters.begin(), assumed.parameters.end());
+  for (Eigen::Index k = 0; k < p; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (points[i + 1].size() == 0 || points[0].size() == 0) {
+      fit.jacobian.col(k).setZero();
+      continue;
+    }
+    fit.jacobian.col(k) = (points[i + 1] - points[0]) / (steps[i] * coordinates.Slope(i, values[i]));
+  }
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(p + m, p + m);
+  for (Eigen::Index k = 0; k < m; ++k) fit.jacobian.col(p + k) = whitener_(fit.doubts.jacobian.col(k));
+  information = fit.jacobian.transpose() * fit.jacobian;
+  for (Eigen::Index k = 0; k < m; ++k) {
+    const double freedom = fit.doubts.freedom[static_cast<std::size_t>(fit.doubts.free[static_cast<std::size_t>(k)])];
+    information(p + k, p + k) += 1.0 / (freedom * freedom);
+  }
+  // Scaled before it is inverted: parameters differ by ten decades. What the data do not see keeps a huge variance.
+  Eigen::VectorXd scale = information.diagonal().array().max(1e-300).rsqrt();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const Eigen::VectorXd inverse = eigen.eigenvalues().array().max(1e-14).inverse();
+  fit.covariance = scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+                   scale.asDiagonal();
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,66 @@
+// Fits a hypothesis to the records by its free-run error. Effect parameters are found by Levenberg-Marquardt (Ceres)
+// within their bounds; the doubtful nominal values follow linearly at each step (variable projection), so that an
+// evaluation costs one simulation however many doubts there are.
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "diagnosis/noise.h"
+#include "diagnosis/study.h"
+
+namespace dynoproof::diagnosis {
+
+/// How the doubts of a study enter: linearised about a point. Columns of fixed doubts are left out.
+struct DoubtModel {
+  std::vector<double> z0;        // where
+  std::vector<double> freedom;   // by doubt: prior standard deviation in units of its spread; 0: fixed
+  std::vector<int> free;         // the doubts with a column
+  Eigen::MatrixXd jacobian;      // d predicted / d z
+};
+/// Forward differences about `at`, one simulation a free doubt.
+Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom);
+/// The usual freedom of the doubts under a set of effects: 1; 0 for a number that an effect changes itself, and for
+/// dampings that are nominally zero; wide where an effect changes the structure.
+std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects);
+
+struct Fit {
+  Hypothesis hypothesis;
+  DoubtModel doubts;
+  Eigen::VectorXd predicted;  // as simulated at the hypothesis, with the linear shift of the doubts
+  double chi2 = 0.0;          // whitened squares, and the doubts' prior
+  double criterion = 0.0;     // -2 log evidence: chi2 + log det of the doubts + p log n
+  int simulations = 0;
+  std::string broken;         // why there is no fit
+  /// By parameter of all effects in order, then by free doubt: whitened Jacobian at the optimum. Filled by Derive().
+  Eigen::MatrixXd jacobian;
+  Eigen::MatrixXd covariance;
+
+  bool ok() const { return broken.empty(); }
+  std::string Name() const;
+  int parameters() const;
+};
+
+class Fitter {
+ public:
+  Fitter(const Study& study, Whitener whitener) : study_(study), whitener_(std::move(whitener)) {}
+
+  const Whitener& whitener() const { return whitener_; }
+
+  /// The doubts alone, at given effects.
+  Fit Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const;
+  /// From the effects as given, within the bounds.
+  Fit Optimise(const std::vector<Assumed>& effects, const DoubtModel& doubts, int iterations = 12) const;
+  /// Linearises the doubts about the fit and fits again, until nothing changes (or `rounds`).
+  Fit Polish(Fit fit, int rounds = 4) const;
+  /// Jacobian and covariance of a fit; the covariance is that of white residuals (what the whitener makes of them).
+  void Derive(Fit& fit) const;
+
+ private:
+  const Study& study_;
+  Whitener whitener_;
+};
+
+}  // namespace dynoproof::diagnosis

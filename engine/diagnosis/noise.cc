@@ -1,0 +1,199 @@
+#include "diagnosis/noise.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "score/fft.h"
+#include "score/series.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+/// Mean squares of the spectrum's bins 1 ... n/2 - 1, as shares of the variance.
+std::vector<double> Periodogram(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  const double mean = x.mean();
+  std::vector<double> centred(static_cast<std::size_t>(x.size()));
+  for (std::size_t i = 0; i < centred.size(); ++i) centred[i] = x[static_cast<Eigen::Index>(i)] - mean;
+  const auto spectrum = score::Fft(std::span<const double>(centred));
+  std::vector<double> power(centred.size() / 2 > 1 ? centred.size() / 2 - 1 : 0);
+  for (std::size_t k = 0; k < power.size(); ++k) power[k] = std::norm(spectrum[k + 1]);
+  return power;
+}
+
+double FTail(double f, double m, double n) {
+  if (!(f > 0.0) || n < 1.0) return 1.0;
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(m, n), f));
+}
+
+/// Ljung-Box over `lags` on a whitened record.
+double WhitePValue(const Eigen::VectorXd& w, int lags, int fitted) {
+  const auto n = static_cast<double>(w.size());
+  const double power = w.squaredNorm();
+  if (!(power > 0.0) || w.size() < 4 * lags) return 1.0;
+  double q = 0.0;
+  for (int k = 1; k <= lags; ++k) {
+    const double r = w.head(w.size() - k).dot(w.tail(w.size() - k)) / power;
+    q += r * r / (n - k);
+  }
+  q *= n * (n + 2.0);
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(std::max(1, lags - fitted)), q));
+}
+
+}  // namespace
+
+ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order) {
+  const Eigen::Index n = residual.size();
+  order = static_cast<int>(std::min<Eigen::Index>(order, n / 10));
+  Eigen::VectorXd forward = residual, backward = residual;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(order);
+  double power = n > 0 ? residual.squaredNorm() / static_cast<double>(n) : 0.0;
+  for (int m = 0; m < order && power > 0.0; ++m) {
+    const Eigen::Index rows = n - m - 1;
+    const auto f = forward.tail(rows), b = backward.segment(m, rows);
+    const double scale = f.squaredNorm() + b.squaredNorm();
+    if (!(scale > 0.0)) break;
+    const double k = 2.0 * f.dot(b) / scale;
+    const Eigen::VectorXd before = a.head(m);
+    a[m] = k;
+    for (int i = 0; i < m; ++i) a[i] = before[i] - k * before[m - 1 - i];
+    const Eigen::VectorXd next_f = f - k * b, next_b = b - k * f;
+    forward.tail(rows) = next_f;
+    backward.segment(m + 1, rows) = next_b;
+    power *= std::max(1.0 - k * k, 1e-15);
+  }
+  return {{a.data(), a.data() + order}, std::max(std::sqrt(power), std::numeric_limits<double>::min())};
+}
+
+Whitener::Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, double least)
+    : channels_(channels) {
+  for (const Channel& channel : channels_) {
+    ArModel model = FitAr(residual.segment(channel.begin, channel.count), kOrder);
+    const double floor = least * std::max(channel.spread, 1e-12 * channel.nominal);
+    // Below the floor the residual is the simulation's own error: taken as white, its colour means nothing.
+    if (model.sigma < floor) model = {std::vector<double>(model.a.size(), 0.0), floor};
+    rows_ += static_cast<double>(channel.count - static_cast<Eigen::Index>(model.a.size()));
+    models_.push_back(std::move(model));
+  }
+}
+
+Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& rows) const {
+  Eigen::VectorXd white = Eigen::VectorXd::Zero(rows.size());
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const ArModel& model = models_[c];
+    const auto order = static_cast<Eigen::Index>(model.a.size());
+    const Eigen::Index count = channels_[c].count - order;
+    if (count <= 0) continue;
+    auto out = white.segment(channels_[c].begin + order, count);
+    out = rows.segment(channels_[c].begin + order, count);
+    for (Eigen::Index k = 0; k < order; ++k)
+      out -= model.a[static_cast<std::size_t>(k)] * rows.segment(channels_[c].begin + order - 1 - k, count);
+    out /= model.sigma;
+  }
+  return white;
+}
+
+double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual) {
+  std::vector<double> power = Periodogram(residual);
+  const auto bins = static_cast<double>(power.size());
+  const std::vector<double> band(power.begin() + static_cast<std::ptrdiff_t>(0.7 * bins),
+                                 power.begin() + static_cast<std::ptrdiff_t>(0.95 * bins));
+  if (band.empty()) return 0.0;
+  // A bin of white noise is exponentially distributed: its median is ln 2 of its mean n sigma^2.
+  return std::sqrt(score::Median(band) / std::numbers::ln2 / static_cast<double>(residual.size()));
+}
+
+namespace {
+
+/// What noise cannot know, at the channel's own time stamps: held inputs, predicted outputs, and functions of them.
+Eigen::MatrixXd Features(const Study& study, const Channel& channel, const Eigen::VectorXd& predicted) {
+  const auto& record = study.records()[channel.record];
+  const std::vector<double>& time = *record.outputs.at(channel.name).time;
+  std::vector<Eigen::VectorXd> signals;
+  for (const auto& [name, series] : record.inputs) {
+    const std::vector<double> at = score::SampleAt({*series.time, *series.values, score::Interpolation::kHold}, time);
+    signals.emplace_back(Eigen::Map<const Eigen::VectorXd>(at.data(), channel.count));
+  }
+  for (const Channel& other : study.channels()) {
+    if (other.record != channel.record || other.count != channel.count) continue;
+    signals.emplace_back(predicted.segment(other.begin, other.count));
+  }
+  std::vector<Eigen::VectorXd> features;
+  for (Eigen::VectorXd& signal : signals) {
+    const double mean = signal.mean();
+    const double scale = std::sqrt((signal.array() - mean).square().mean());
+    if (!(scale > 1e-12 * (1.0 + std::abs(mean)))) continue;
+    const Eigen::ArrayXd x = signal.array() / std::sqrt(signal.array().square().mean());
+    features.emplace_back(x);
+    features.emplace_back(x.square());
+    features.emplace_back(x.abs());
+    features.emplace_back(x.sign());
+    features.emplace_back(x.cube());
+  }
+  Eigen::MatrixXd matrix(channel.count, static_cast<Eigen::Index>(features.size()));
+  for (std::size_t k = 0; k < features.size(); ++k) matrix.col(static_cast<Eigen::Index>(k)) = features[k];
+  return matrix;
+}
+
+}  // namespace
+
+std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,
+                                     const Eigen::VectorXd& predicted) {
+  std::vector<Structure> found;
+  constexpr int kPast[] = {0, 1, 2, 3, 4, 6, 8, 12};  // samples: what a resonance leaves after whitening is short
+  for (const Channel& channel : study.channels()) {
+    Structure& result = found.emplace_back();
+    const auto rows = residual.segment(channel.begin, channel.count);
+    const ArModel model = FitAr(rows, Whitener::kOrder);
+    const auto order = static_cast<Eigen::Index>(model.a.size());
+    constexpr Eigen::Index kLag = 12;
+    const Eigen::Index first = std::max(order, kLag), count = channel.count - first;
+    if (count < 100) continue;
+    // Joint regression on the residual's own past and on the features: what the features add to the past is structure.
+    const Eigen::MatrixXd features = Features(study, channel, predicted);
+    Eigen::MatrixXd past(count, order), other(count, features.cols() * static_cast<Eigen::Index>(std::size(kPast)) + 2);
+    for (Eigen::Index k = 0; k < order; ++k) past.col(k) = rows.segment(first - 1 - k, count);
+    Eigen::Index column = 0;
+    for (Eigen::Index k = 0; k < features.cols(); ++k) {
+      for (const int lag : kPast) other.col(column++) = features.col(k).segment(first - lag, count);
+    }
+    other.col(column++).setOnes();
+    other.col(column++) = Eigen::VectorXd::LinSpaced(count, -1.0, 1.0);
+    const Eigen::VectorXd target = rows.tail(count);
+    const auto solve = [&](const Eigen::MatrixXd& x) -> Eigen::VectorXd {
+      Eigen::MatrixXd gram = x.transpose() * x;
+      const Eigen::VectorXd scale = gram.diagonal().array().max(1e-300).rsqrt();
+      gram = scale.asDiagonal() * gram * scale.asDiagonal();
+      gram.diagonal().array() += 1e-9;  // collinear features (an input never negative and its magnitude)
+      const Eigen::VectorXd solution = scale.asDiagonal() * gram.ldlt().solve(scale.asDiagonal() * (x.transpose() * target));
+      return target - x * solution;
+    };
+    const Eigen::VectorXd alone = solve(past);
+    Eigen::MatrixXd joint(count, past.cols() + other.cols());
+    joint << past, other;
+    const Eigen::VectorXd together = solve(joint);
+    const double before = alone.squaredNorm(), after = together.squaredNorm();
+    const auto m = static_cast<double>(other.cols()), n = static_cast<double>(count - joint.cols());
+    if (before > 0.0 && after > 0.0) {
+      result.explained = std::max(0.0, (1.0 - after / before) - m / static_cast<double>(count));
+      result.p_value = FTail((before - after) / m / (after / n), m, n);
+    }
+    const std::vector<double> power = Periodogram(alone);
+    const auto peak = std::max_element(power.begin(), power.end());
+    double total = 0.0;
+    for (const double value : power) total += value;
+    if (peak != power.end() && total > 0.0) {
+      const double g = *peak / total, bins = static_cast<double>(power.size());
+      result.line_share = g;
+      result.line_p_value = std::min(1.0, bins * std::exp((bins - 1.0) * std::log1p(-std::min(g, 1.0 - 1e-12))));
+      result.line_hz = static_cast<double>(peak - power.begin() + 1) / (static_cast<double>(count) * channel.step_s);
+    }
+    result.white_p_value = WhitePValue(alone, 40, 0);
+  }
+  return found;
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,63 @@
+// What in a residual is noise: its colour as an autoregressive model, the floor that sensors set, and what is left that
+// noise cannot be: a relation to the inputs, or a line in the spectrum.
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "diagnosis/study.h"
+
+namespace dynoproof::diagnosis {
+
+/// e[i] = sum_k a[k] e[i-1-k] + sigma n[i], n white with variance 1.
+struct ArModel {
+  std::vector<double> a;
+  double sigma = 1.0;
+};
+/// Burg's method; `order` is cut to a tenth of the record. A residual of zeros gets the smallest sigma that divides.
+ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order);
+
+/// One AR model a channel of a study. Whitened rows have variance 1 under the model; the first rows of a channel, which
+/// have no complete past, become 0 and do not count.
+class Whitener {
+ public:
+  static constexpr int kOrder = 30;  // resonances of a drive line below 2 kHz at 10 kHz: some ten pole pairs
+
+  /// Fits to the residual of the best model so far. `least`: smallest sigma over the channel's spread; what a simulation
+  /// is good for, so that synthetic records without noise do not ask for more digits than there are.
+  Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, double least = 1e-6);
+
+  Eigen::VectorXd operator()(const Eigen::VectorXd& rows) const;
+  /// Rows that count.
+  double rows() const { return rows_; }
+  const std::vector<ArModel>& models() const { return models_; }
+
+ private:
+  std::vector<Channel> channels_;
+  std::vector<ArModel> models_;
+  double rows_ = 0.0;
+};
+
+/// Standard deviation of white noise that would give the spectrum between 0.7 and 0.95 of the Nyquist frequency, where
+/// no drive line moves; the median over the bins, so that tones do not count. Unit of the residual.
+double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual);
+
+/// What is not noise in the residual of one channel.
+struct Structure {
+  double explained = 0.0;  // share of the whitened variance that functions of inputs and outputs predict
+  double p_value = 1.0;    // of that share (F test), corrected for the number of features
+  double line_p_value = 1.0;  // of the highest line of the whitened spectrum (Fisher's g test)
+  double line_hz = 0.0;
+  double line_share = 0.0;  // of the whitened variance
+  double white_p_value = 1.0;  // Ljung-Box on the whitened residual
+
+  /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.
+  bool found() const { return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005); }
+};
+/// Regresses the one-step prediction error of every channel on what noise cannot know: the inputs, the predicted
+/// outputs, their past, squares, magnitudes and signs.
+std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,
+                                     const Eigen::VectorXd& predicted);
+
+}  // namespace dynoproof::diagnosis

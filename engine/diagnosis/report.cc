@@ -1,0 +1,132 @@
+#include "diagnosis/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using nlohmann::json;
+
+json Spans(const std::vector<std::pair<double, double>>& spans) {
+  json out = json::array();
+  for (const auto& [begin, end] : spans) out.push_back({begin, end});
+  return out;
+}
+
+json Gains(const std::map<std::string, SignalGain>& gains, bool interval) {
+  json out = json::object();
+  for (const auto& [name, gain] : gains) {
+    out[name] = {{"nrmse_before", gain.before}, {"nrmse_after", gain.after}};
+    if (interval) out[name]["gain_ci95"] = {gain.lower, gain.upper};
+  }
+  return out;
+}
+
+std::string Joined(const std::vector<std::pair<double, double>>& spans, const char* unit) {
+  std::string text;
+  for (std::size_t i = 0; i < spans.size() && i < 6; ++i)
+    text += fmt::format("{}{:.4g} ... {:.4g}", i == 0 ? "" : ", ", spans[i].first, spans[i].second);
+  if (spans.size() > 6) text += fmt::format(", and {} more", spans.size() - 6);
+  return text.empty() ? text : text + " " + unit;
+}
+
+}  // namespace
+
+json ToJson(const Diagnosis& d) {
+  json out = {{"verdict", ToString(d.verdict)},
+              {"reason", d.reason},
+              {"effects", json::array()},
+              {"ambiguous_with", d.ambiguous_with},
+              {"separating_experiment", {{"text", d.experiment_text}, {"scenario", d.experiment_scenario}}},
+              {"where_it_is_wrong",
+               {{"signal", d.where.signal},
+                {"when_s", Spans(d.where.when_s)},
+                {"frequency_hz", Spans(d.where.frequency_hz)},
+                {"condition", d.where.condition}}},
+              {"residual",
+               {{"noise_floor", d.noise_floor},
+                {"at_noise_floor", d.at_noise_floor},
+                {"white", d.white},
+                {"p_value", d.p_value},
+                {"floor_by_signal", d.floor_by_signal},
+                {"rms_by_signal", d.residual_by_signal}}},
+              {"gain", {{"train", Gains(d.train, false)}, {"holdout", Gains(d.holdout, true)}}},
+              {"extended_scenario", d.extended_scenario},
+              {"would_have_seen", json::array()},
+              {"considered", json::array()},
+              {"refitted", json::array()},
+              {"holdout_records", d.own_holdout},
+              {"notes", d.notes},
+              {"simulations", d.simulations}};
+  for (const FoundEffect& effect : d.effects) {
+    json parameters = json::object();
+    for (const FoundParameter& p : effect.parameters)
+      parameters[p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", {p.lower, p.upper}}};
+    out["effects"].push_back({{"name", effect.name},
+                              {"at", effect.at},
+                              {"confidence", effect.confidence},
+                              {"parameters", parameters}});
+  }
+  for (const Seen& seen : d.would_have_seen)
+    out["would_have_seen"].push_back(
+        {{"name", seen.name}, {"at", seen.at}, {"smallest", seen.smallest}, {"unit", seen.unit}});
+  for (const Considered& one : d.considered)
+    out["considered"].push_back({{"name", one.name},
+                                 {"at", one.at},
+                                 {"validation_nrmse", one.validation_nrmse},
+                                 {"why_not", one.why_not}});
+  for (const Refitted& one : d.refitted)
+    out["refitted"].push_back({{"key", one.path},
+                               {"nominal", one.nominal},
+                               {"value", one.value},
+                               {"deviation", one.deviation},
+                               {"start", one.start}});
+  return out;
+}
+
+std::string ToTable(const Diagnosis& d) {
+  std::string text = fmt::format("{}: {}\n", ToString(d.verdict), d.reason);
+  for (const FoundEffect& effect : d.effects) {
+    text += fmt::format("\n  {} at {}  (confidence {:.3f})\n", effect.name, effect.at, effect.confidence);
+    for (const FoundParameter& p : effect.parameters)
+      text += fmt::format("    {:<14}{:>14.6g} {:<14} 95 %: {:.6g} ... {:.6g}\n", p.name, p.value, p.unit, p.lower, p.upper);
+  }
+  for (const auto& set : d.ambiguous_with)
+    text += fmt::format("\n  cannot be told apart: {}\n  to tell them: {}\n  {}\n", fmt::join(set, ", "), d.experiment_text,
+                        d.experiment_scenario);
+  text += fmt::format("\n  wrong in {}", d.where.signal);
+  if (!d.where.when_s.empty()) text += ", " + Joined(d.where.when_s, "s");
+  if (!d.where.frequency_hz.empty()) text += ", " + Joined(d.where.frequency_hz, "Hz");
+  if (!d.where.condition.empty()) text += "; " + d.where.condition;
+  text += fmt::format("\n\n  {:<12}{:>12}{:>12}{:>12}{:>12}{:>24}\n", "NRMSE", "train", "after", "hold-out", "after",
+                      "gain, 95 %");
+  for (const auto& [name, train] : d.train) {
+    const auto found = d.holdout.find(name);
+    const SignalGain holdout = found != d.holdout.end() ? found->second : SignalGain{};
+    text += fmt::format("  {:<12}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.4g} ... {:.4g}\n", name, train.before,
+                        train.after, holdout.before, holdout.after, holdout.lower, holdout.upper);
+  }
+  text += fmt::format("  noise floor {:.4g}, {}\n", d.noise_floor,
+                      d.at_noise_floor ? "reached" : "not reached: structure is left");
+  std::vector<Refitted> moved;
+  for (const Refitted& one : d.refitted) {
+    if (std::abs(one.deviation) > 1.0 && !one.start) moved.push_back(one);
+  }
+  if (!moved.empty()) text += "\n  nominal values that were fitted along and moved by more than their doubt:\n";
+  for (const Refitted& one : moved)
+    text += fmt::format("    {} = {:.6g} (nominal {:.6g})\n", one.path, one.value, one.nominal);
+  if (!d.considered.empty()) text += "\n  considered\n";
+  for (const Considered& one : d.considered)
+    text += fmt::format("    {:<22}{:<22} validation {:.4g}  {}\n", one.name, one.at, one.validation_nrmse,
+                        one.why_not.empty() ? "the best" : one.why_not);
+  if (!d.would_have_seen.empty()) text += "\n  smallest strength that would have been seen\n";
+  for (const Seen& seen : d.would_have_seen)
+    text += fmt::format("    {:<22}{:<22} {:.3g} {}\n", seen.name, seen.at, seen.smallest, seen.unit);
+  if (!d.extended_scenario.empty()) text += fmt::format("\n  extended scenario: {}\n", d.extended_scenario);
+  return text;
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,15 @@
+// A diagnosis as JSON (the contract's layout) and as a table for people.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "diagnosis/diagnose.h"
+
+namespace dynoproof::diagnosis {
+
+nlohmann::json ToJson(const Diagnosis& diagnosis);
+/// Verdict first, then cause, gain, what was considered and why not.
+std::string ToTable(const Diagnosis& diagnosis);
+
+}  // namespace dynoproof::diagnosis

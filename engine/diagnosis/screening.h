@@ -1,0 +1,28 @@
+// A first look at every candidate: how much of the residual its signature (the change of the prediction at small
+// strength) explains, for all signals jointly, beside the doubtful nominal values. A few simulations a candidate.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/fit.h"
+
+namespace dynoproof::diagnosis {
+
+struct Screened {
+  std::size_t candidate = 0;
+  std::vector<double> parameters;  // where to search on
+  double chi2 = 0.0, criterion = 0.0;
+  /// Smallest first strength whose signature would stand out, in the parameter's unit; NaN: not defined.
+  double smallest = 0.0;
+  int simulations = 0;
+};
+
+/// Screens the candidates on top of `base` (its effects and doubts). Sorted by criterion, best first; candidates that
+/// cannot be simulated are left out. `threshold`: gain of chi2 that counts as seen.
+std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit& base,
+                             const std::vector<Candidate>& candidates, double threshold,
+                             const std::function<void(double)>& progress);
+
+}  // namespace dynoproof::diagnosis

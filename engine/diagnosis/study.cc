@@ -1,0 +1,112 @@
+#include "diagnosis/study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "experiment/prepare.h"
+#include "score/series.h"
+#include "sim/simulate.h"
+#include "sim/solver.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+Series Cut(const Series& series, double end_s) {
+  const auto rows = std::upper_bound(series.time->begin(), series.time->end(), end_s) - series.time->begin();
+  if (rows == static_cast<std::ptrdiff_t>(series.time->size())) return series;
+  return {std::make_shared<const std::vector<double>>(series.time->begin(), series.time->begin() + rows),
+          std::make_shared<const std::vector<double>>(series.values->begin(), series.values->begin() + rows)};
+}
+
+void CutRecord(MappedRecord& record, double until) {
+  record.end_s *= until;
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    for (auto& [name, series] : *signals) series = Cut(series, record.end_s);
+  }
+}
+
+/// The simulated output at the measured time stamps; between ticks the straight line.
+void SampleInto(const Samples& samples, const std::vector<double>& simulated, const std::vector<double>& time,
+                double period_s, Eigen::Ref<Eigen::VectorXd> into) {
+  const auto last = static_cast<double>(samples.time.size() - 1);
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    double tick = std::min(time[i] / period_s, last);
+    if (std::abs(tick - std::round(tick)) < 1e-3) tick = std::round(tick);
+    const auto before = static_cast<std::size_t>(tick);
+    const double share = tick - static_cast<double>(before);
+    const double next = share > 0.0 ? simulated[before + 1] : simulated[before];
+    into[static_cast<Eigen::Index>(i)] = simulated[before] + share * (next - simulated[before]);
+  }
+}
+
+}  // namespace
+
+Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until)
+    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), doubts_(DoubtsOf(plan_)) {
+  Eigen::Index rows = 0;
+  const auto text = [&](const std::string& output, const char* key) {
+    const Value* value = plan_.root.FindPath("output." + output + "." + key);
+    return value != nullptr && value->is_string() ? value->string() : std::string("1");
+  };
+  for (std::size_t r = 0; r < records_.size(); ++r) {
+    if (until < 1.0) CutRecord(records_[r], until);
+    for (const auto& [name, series] : records_[r].outputs) {
+      const Value* nominal = plan_.root.FindPath("output." + name + ".nominal");
+      channels_.push_back({r, name, text(name, "unit"),
+                           nominal != nullptr && nominal->is_number() ? nominal->number() : 1.0,
+                           score::MedianStep(*series.time), score::StandardDeviation(*series.values), rows,
+                           static_cast<Eigen::Index>(series.time->size())});
+      rows += channels_.back().count;
+    }
+  }
+  measured_.resize(rows);
+  time_s_.reserve(static_cast<std::size_t>(rows));
+  for (const Channel& channel : channels_) {
+    const Series& series = records_[channel.record].outputs.at(channel.name);
+    measured_.segment(channel.begin, channel.count) =
+        Eigen::Map<const Eigen::VectorXd>(series.values->data(), channel.count);
+    time_s_.insert(time_s_.end(), series.time->begin(), series.time->end());
+  }
+}
+
+Plan Study::PlanOf(const Hypothesis& hypothesis) const {
+  Plan plan = plan_;
+  ApplyDoubts(doubts_, hypothesis.z, plan);
+  for (const Assumed& assumed : hypothesis.effects) assumed.effect->Apply(plan, assumed.place, assumed.parameters);
+  return plan;
+}
+
+Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }
+
+Result<Eigen::VectorXd> Study::PredictPlan(const Plan& plan) const {
+  Eigen::VectorXd predicted(measured_.size());
+  for (std::size_t r = 0; r < records_.size(); ++r) {
+    PrepareOptions options;
+    options.solver = "realtime";
+    options.data = &records_[r];
+    Diagnostics diagnostics;
+    const std::unique_ptr<Prepared> prepared = Prepare(plan, options, *registry_, diagnostics);
+    if (prepared == nullptr) {
+      return Failure{diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message,
+                     plan.id, {}, 2};
+    }
+    const Rig& rig = *prepared->rig;
+    const Result<std::unique_ptr<Solver>> solver = MakeSolver("realtime", rig);
+    if (!solver.ok()) return solver.failure();
+    const Result<Samples> samples = Simulate(rig, **solver);
+    if (!samples.ok()) return samples.failure();
+    for (const Channel& channel : channels_) {
+      if (channel.record != r) continue;
+      const auto line = std::find_if(rig.outputs.begin(), rig.outputs.end(),
+                                     [&](const OutputLine& output) { return output.name == channel.name; });
+      if (line == rig.outputs.end()) return Failure{"the plan lost this output", channel.name};
+      SampleInto(*samples, samples->outputs[static_cast<std::size_t>(line - rig.outputs.begin())],
+                 *records_[r].outputs.at(channel.name).time, Seconds(rig.period),
+                 predicted.segment(channel.begin, channel.count));
+    }
+  }
+  return predicted;
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,72 @@
+// A scenario, the records to explain, and what the scenario predicts for them under any hypothesis: the one place where
+// a diagnosis simulates. All outputs of all records form one vector, channel behind channel.
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "diagnosis/doubt.h"
+#include "experiment/records.h"
+#include "model/registry.h"
+
+namespace dynoproof::diagnosis {
+
+/// An effect at a place with its parameters, in the effect's order.
+struct Assumed {
+  const Effect* effect = nullptr;
+  Place place;
+  std::vector<double> parameters;
+
+  std::string ToString() const { return effect->info().name + "@" + place.ToString(); }
+};
+
+/// A hypothesis: doubtful nominal values (in standard deviations), and effects on top of them.
+struct Hypothesis {
+  std::vector<double> z;
+  std::vector<Assumed> effects;
+};
+
+/// One measured output of one record: rows [begin, begin + count) of the vector.
+struct Channel {
+  std::size_t record = 0;
+  std::string name, unit;
+  double nominal = 1.0, step_s = 0.0, spread = 0.0;  // spread: standard deviation of the measured signal
+  Eigen::Index begin = 0, count = 0;
+};
+
+class Study {
+ public:
+  /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length, and only
+  /// rows from share `from` on count (the simulation always starts at the record's first row).
+  Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0);
+
+  const Plan& plan() const { return plan_; }
+  const Registry& registry() const { return *registry_; }
+  const std::vector<MappedRecord>& records() const { return records_; }
+  const std::vector<Doubt>& doubts() const { return doubts_; }
+  const std::vector<Channel>& channels() const { return channels_; }
+  const Eigen::VectorXd& measured() const { return measured_; }
+  /// Time of each row [s].
+  const std::vector<double>& time_s() const { return time_s_; }
+
+  /// The plan of a hypothesis: doubts first, then the effects in order.
+  Plan PlanOf(const Hypothesis& hypothesis) const;
+  /// What that plan predicts for every row (free run from each record's start). Fails where a run breaks.
+  Result<Eigen::VectorXd> Predict(const Hypothesis& hypothesis) const;
+  Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
+  Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
+
+ private:
+  Plan plan_;
+  const Registry* registry_;
+  std::vector<MappedRecord> records_;
+  std::vector<Doubt> doubts_;
+  std::vector<Channel> channels_;
+  Eigen::VectorXd measured_;
+  std::vector<double> time_s_;
+};
+
+}  // namespace dynoproof::diagnosis

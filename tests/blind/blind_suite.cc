@@ -1,0 +1,462 @@
+// The blind suite: draws an effect, its place, strength, noise, excitation and slightly wrong nominal values at random,
+// writes what a logger would have written, has the program diagnose the file, and opens the truth only then.
+//
+//   blind_suite PROGRAM --cases 40 --seed 1 [--scenario ID]... [--kind effect|null|decoy|unknown] [--out DIR] [--json FILE]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/beta.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/random.h"
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+#include "sim/simulate.h"
+#include "tests/blind/independent_line.h"
+#include "trace/csv.h"
+
+namespace dynoproof::blind {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+/// Numbers of one case, in the order they are asked for.
+class Dice {
+ public:
+  Dice(std::uint64_t seed, std::uint64_t number) : seed_(seed), number_(number) {}
+  double Uniform(double low, double high) { return low + (high - low) * RandomUniform(seed_, number_, next_++); }
+  double Sign() { return Uniform(0, 1) < 0.5 ? -1.0 : 1.0; }
+  double Normal() { return RandomNormal(seed_, number_, 1000000 + next_++); }
+  std::size_t Index(std::size_t count) {
+    return std::min(count - 1, static_cast<std::size_t>(Uniform(0.0, static_cast<double>(count))));
+  }
+
+ private:
+  std::uint64_t seed_, number_, next_ = 0;
+};
+
+struct Columns {
+  std::vector<double> time;
+  std::map<std::string, std::vector<double>> inputs, outputs;
+};
+
+struct Case {
+  std::string kind, scenario, effect, at, generator;
+  std::vector<double> parameters;
+  double noise = 0.0, size = 0.0;  // of the signals; effect over noise, largest of the signals
+};
+
+/// Parameters at full strength: what an engineer would call a fault worth finding, in the machine's own magnitudes.
+std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const Place& place, Dice& dice) {
+  const std::string& name = effect.info().name;
+  const auto number = [&plan](const std::string& path, double otherwise) {
+    const Value* value = plan.root.FindPath(path);
+    return value != nullptr && value->is_number() ? value->number() : otherwise;
+  };
+  const double torque = number("plant.nominal_torque_Nm", 1000.0), k = number("plant.shaft." + place.name + ".stiffness_Nm_per_rad", 1e6);
+  const double inertia = place.kind == "rotor" ? number("plant.rotor." + place.name + ".inertia_kg_m2", 10.0)
+                                               : number("plant.inertia." + place.name, 1.0);
+  const double speed = torque > 2000.0 ? 1.0 : 5.0, twist = 0.5 * torque / k;
+  const double u = dice.Uniform(0.7, 1.4);
+  if (name == "viscous_friction") return {0.05 * torque / speed * u};
+  if (name == "coulomb_friction") return {0.06 * torque * u};
+  if (name == "stribeck_friction") return {0.05 * torque * u, 0.12 * torque * u, 0.2 * speed};
+  if (name == "asymmetric_friction") return {0.07 * torque * u, 0.03 * torque * u, 0.02 * torque / speed, 0.005 * torque / speed};
+  if (name == "dahl_friction") return {0.06 * torque * u, 0.06 * torque * u / 0.01};
+  if (name == "constant_load") return {0.05 * torque * u * dice.Sign()};
+  if (name == "quadratic_drag") return {0.03 * torque / speed / speed * u};
+  if (name == "torque_ripple") return {0.05 * torque * u, std::vector<double>{1, 2, 4, 6, 12, 24}[dice.Index(6)], dice.Uniform(-3, 3)};
+  if (name == "inertia_change") return {0.25 * u * (dice.Uniform(0, 1) < 0.3 ? -1.0 : 1.0)};
+  if (name == "stiffness_change") return {0.2 * u * dice.Sign()};
+  if (name == "damping_change") return {2.0 * u};
+  if (name == "distributed_inertia") return {33.0 * dice.Uniform(0.8, 1.0), 14e6 * u, 80.0 * u};
+  if (name == "series_elasticity") return {5e6 * u * std::sqrt(inertia), 50.0 * u};
+  if (name == "cubic_stiffness") return {0.3 * k / (twist * twist) * u};
+  if (name == "backlash") return {0.3 * twist * u};
+  if (name == "gap_change") return {0.2 * u};
+  if (name == "contact_free_damping") return {0.1 * u};
+  if (name == "oil_dynamics") return {78.3e3 * u, 232.0 * u, 1.54e5 * u};
+  if (name == "viscosity_drift") return {std::min(0.9, 0.5 * u), 1.0 * u};
+  if (name == "actuator_lag") return {1e-3 * u};
+  if (name == "actuator_delay") return {3e-4 * u};
+  if (name == "actuator_gain" || name == "sensor_gain") return {1.0 + 0.08 * u * dice.Sign()};
+  if (name == "actuator_saturation") return {0.7 * 0.7 * torque * u};
+  if (name == "actuator_dead_zone") return {0.15 * torque * u};
+  if (name == "actuator_harmonic") return {0.08 * u * dice.Sign(), 0.05 * u};
+  if (name == "sensor_offset") return {0.1 * number("output." + place.name + ".nominal", 1.0) * u * dice.Sign()};
+  if (name == "sensor_delay") return {3e-4 * u};
+  if (name == "sensor_lag") return {5e-4 * u};
+  if (name == "sensor_drift") return {0.05 * number("output." + place.name + ".nominal", 1.0) * u};
+  std::vector<double> start;
+  for (const EffectParameter& p : effect.info().parameters) start.push_back(p.start);
+  return start;
+}
+
+/// The same with every strength at a share of its distance from neutral.
+std::vector<double> Weaker(const Effect& effect, std::vector<double> parameters, double share) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const double neutral = effect.info().parameters[i].neutral;
+    if (std::isfinite(neutral) && neutral < effect.info().parameters[i].upper)
+      parameters[i] = neutral + share * (parameters[i] - neutral);
+  }
+  return parameters;
+}
+
+/// Runs a plan with `reference`: another method, step and tolerance than what diagnoses.
+Columns Simulated(const Plan& plan, const Registry& registry) {
+  Diagnostics diagnostics;
+  PrepareOptions options;
+  options.solver = "reference";
+  Plan bare = plan;
+  bare.root.Erase("check");
+  const std::unique_ptr<Prepared> prepared = Prepare(bare, options, registry, diagnostics);
+  if (prepared == nullptr) throw std::runtime_error(diagnostics.Format());
+  const auto solver = MakeSolver("reference", *prepared->rig);
+  if (!solver.ok()) throw std::runtime_error(solver.failure().ToString());
+  const Result<Samples> samples = Simulate(*prepared->rig, **solver);
+  if (!samples.ok()) throw std::runtime_error(samples.failure().ToString());
+  Columns columns{samples->time, {}, {}};
+  for (std::size_t i = 0; i < prepared->rig->inputs.size(); ++i)
+    columns.inputs[prepared->rig->inputs[i].name] = samples->inputs[i];
+  for (std::size_t i = 0; i < prepared->rig->outputs.size(); ++i) {
+    const std::string& name = prepared->rig->outputs[i].name;
+    if (name != "phi_1") columns.outputs[name] = samples->outputs[i];
+  }
+  return columns;
+}
+
+/// Another excitation than the scenario's own.
+void Excite(Plan& plan, Dice& dice, double duration_s) {
+  plan.root["run"]["duration_s"] = Value(duration_s);
+  plan.root["run"]["reference"]["relative_tolerance"] = Value(1e-7);
+  for (Value::Entry& input : plan.root["input"].table()) {
+    Value* sources = input.value["source"].Find("sources");
+    Value::Array single{input.value["source"]};
+    Value::Array& list = sources != nullptr && sources->is_array() ? sources->array() : single;
+    for (Value& source : list) {
+      if (source.Find("seed") != nullptr) source["seed"] = Value(static_cast<std::int64_t>(dice.Uniform(1, 1e6)));
+      if (source.Find("rms") != nullptr) source["rms"] = Value(source["rms"].number() * dice.Uniform(0.7, 1.3));
+    }
+    if (sources == nullptr) input.value["source"] = single.front();
+  }
+}
+
+/// Nominal values slightly off, as data sheets are.
+void Detune(Plan& plan, Dice& dice, double spread) {
+  const auto each = [&](const std::string& path, double size) {
+    Value* value = plan.root.FindPath(path);
+    if (value != nullptr && value->is_number()) *value = Value(value->number() * (1.0 + size * dice.Uniform(-1.0, 1.0)));
+  };
+  for (const char* section : {"inertia", "rotor", "shaft"}) {
+    const Value* table = plan.root.FindPath(std::string("plant.") + section);
+    for (const std::string& name : table != nullptr ? KeysOf(*table) : std::vector<std::string>{}) {
+      const std::string path = fmt::format("plant.{}.{}", section, name);
+      each(path, spread);
+      each(path + ".inertia_kg_m2", spread);
+      each(path + ".stiffness_Nm_per_rad", spread);
+      each(path + ".damping_Nms_per_rad", 10.0 * spread);
+    }
+  }
+}
+
+double Rms(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+void AddNoise(Columns& columns, double share, bool coloured, Dice& dice) {
+  for (auto& [name, values] : columns.outputs) {
+    double mean = 0.0;
+    for (const double v : values) mean += v / static_cast<double>(values.size());
+    std::vector<double> centred = values;
+    for (double& v : centred) v -= mean;
+    const double sigma = share * Rms(centred), pole = coloured ? dice.Uniform(0.5, 0.95) : 0.0;
+    double state = 0.0;
+    for (double& v : values) {
+      state = pole * state + std::sqrt(1.0 - pole * pole) * dice.Normal();
+      v += sigma * state;
+    }
+  }
+}
+
+/// Largest RMS of the difference over the noise, over the signals.
+double SizeOf(const Columns& with, const Columns& without, double noise) {
+  double largest = 0.0;
+  for (const auto& [name, values] : with.outputs) {
+    std::vector<double> difference = values;
+    double mean = 0.0;
+    for (const double v : values) mean += v / static_cast<double>(values.size());
+    std::vector<double> centred = values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      difference[i] -= without.outputs.at(name)[i];
+      centred[i] -= mean;
+    }
+    largest = std::max(largest, Rms(difference) / (noise * Rms(centred)));
+  }
+  return largest;
+}
+
+void Write(const fs::path& file, const Columns& columns) {
+  std::vector<trace::Column> all;
+  all.push_back({.name = "t", .unit = "s", .values = columns.time});
+  for (const auto* signals : {&columns.inputs, &columns.outputs}) {
+    for (const auto& [name, values] : *signals) all.push_back({.name = name, .unit = "", .values = values});
+  }
+  if (const Status failed = trace::WriteCsv(file, all)) throw std::runtime_error(failed->ToString());
+}
+
+/// Cases from the generator that shares no code with the engine.
+Columns FromIndependentLine(Case& hidden, Dice& dice, double duration_s, bool with_effect, bool unknown) {
+  IndependentLine line;
+  for (double& value : line.inertia) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
+  for (double& value : line.stiffness) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
+  for (double& value : line.damping) value *= 1.0 + 0.03 * dice.Uniform(-1.0, 1.0);
+  const std::size_t where = dice.Index(5), shaft = dice.Index(4), what = dice.Index(7);
+  const double u = dice.Uniform(0.7, 1.4);
+  if (unknown) {
+    if (what % 2 == 0) {
+      // A spring with hysteresis: stiffness that depends on the direction of twisting.
+      line.shaft[2] = [u](double d, double w) { return 0.25 * u * 3.36e6 * d * std::tanh(w / 0.05); };
+      hidden.effect = "spring with hysteresis";
+    } else {
+      line.load[4] = [u](double w) { return 20.0 * u * std::sin(40.0 * w); };
+      hidden.effect = "load that waves with the speed";
+    }
+  } else if (with_effect) {
+    const std::string inertia = "inertia:I" + std::to_string(where + 1), k = "shaft:k" + std::to_string(shaft + 1);
+    if (what == 0) {
+      hidden.effect = "viscous_friction", hidden.at = inertia, hidden.parameters = {10.0 * u};
+      line.load[where] = [b = 10.0 * u](double w) { return -b * w; };
+    } else if (what == 1) {
+      hidden.effect = "quadratic_drag", hidden.at = inertia, hidden.parameters = {1.5 * u};
+      line.load[where] = [b = 1.5 * u](double w) { return -b * w * std::abs(w); };
+    } else if (what == 2) {
+      hidden.effect = "inertia_change", hidden.at = inertia, hidden.parameters = {0.3 * u};
+      line.inertia[where] *= 1.0 + 0.3 * u;
+    } else if (what == 3) {
+      hidden.effect = "stiffness_change", hidden.at = k, hidden.parameters = {-0.2 * u};
+      line.stiffness[shaft] *= 1.0 - 0.2 * u;
+    } else if (what == 4) {
+      hidden.effect = "actuator_gain", hidden.at = "input:T_airgap", hidden.parameters = {1.0 + 0.08 * u};
+      line.actuator = [g = 1.0 + 0.08 * u](double x) { return g * x; };
+    } else if (what == 5) {
+      hidden.effect = "actuator_dead_zone", hidden.at = "input:T_airgap", hidden.parameters = {150.0 * u};
+      line.actuator = [h = 75.0 * u](double x) { return x > h ? x - h : x < -h ? x + h : 0.0; };
+    } else {
+      hidden.effect = "actuator_harmonic", hidden.at = "input:T_airgap", hidden.parameters = {0.1 * u, 0.05 * u};
+      line.actuator = [a = 0.1 * u, b = 0.05 * u](double x) { return x + a * x * x / 1000.0 + b * x * x * x / 1e6; };
+    }
+  } else if (hidden.kind == "decoy") {
+    line.start_speed = dice.Uniform(-3.0, 3.0);
+  }
+  const auto samples = static_cast<std::size_t>(duration_s * 1e4) + 1;
+  Columns columns;
+  for (std::size_t i = 0; i < samples; ++i) columns.time.push_back(1e-4 * static_cast<double>(i));
+  columns.inputs["T_airgap"] = IndependentTorque(samples, static_cast<unsigned>(dice.Uniform(1, 1e6)));
+  IndependentLine::Output output = line.Run(columns.inputs["T_airgap"]);
+  columns.outputs = {{"T_shaft", std::move(output.T_shaft)}, {"omega_1", std::move(output.omega_1)}};
+  return columns;
+}
+
+struct Suite {
+  std::string program, out = "out/blind", kind, json_file;
+  std::vector<std::string> scenarios, only;
+  std::uint64_t seed = 1;
+  int cases = 20;
+  double duration_s = 4.0;
+};
+
+std::string Judged(const Case& hidden, const json& result) {
+  const std::string verdict = result.value("verdict", "broken");
+  const std::string truth = hidden.effect + "@" + hidden.at;
+  if (verdict == "broken") return "broken";
+  if (hidden.kind == "unknown") return verdict == "effect_found" || verdict == "no_effect" ? "wrong" : "abstained";
+  if (hidden.kind != "effect") return verdict == "no_effect" ? "right" : verdict == "unexplained" ? "abstained" : "false alarm";
+  if (verdict == "effect_found") {
+    const json& effects = result["effects"];
+    const bool same = effects.size() == 1 && effects[0]["name"] == hidden.effect && effects[0]["at"] == hidden.at;
+    return same ? "right" : "wrong";
+  }
+  if (verdict == "ambiguous") {
+    for (const json& set : result["ambiguous_with"]) {
+      for (const json& one : set) {
+        if (one == truth) return "in the set";
+      }
+    }
+    return "wrong";
+  }
+  return verdict == "no_effect" ? "missed" : "abstained";
+}
+
+/// Share of the true parameters that lie inside their interval; nothing for other outcomes.
+std::optional<bool> Covered(const Case& hidden, const json& result, const Registry& registry) {
+  const Effect* effect = registry.FindEffect(hidden.effect);
+  if (effect == nullptr || result["effects"].empty()) return std::nullopt;
+  bool all = true;
+  for (std::size_t i = 0; i < hidden.parameters.size(); ++i) {
+    const json& ci = result["effects"][0]["parameters"][effect->info().parameters[i].name]["ci95"];
+    all = all && hidden.parameters[i] >= ci[0].get<double>() && hidden.parameters[i] <= ci[1].get<double>();
+  }
+  return all;
+}
+
+double UpperBound(int hits, int of) {
+  if (of == 0 || hits == of) return 1.0;
+  return boost::math::quantile(boost::math::beta_distribution<>(hits + 1, of - hits), 0.95);
+}
+
+int Run(const Suite& suite) {
+  Registry registry;
+  RegisterBuiltIns(registry);
+  std::map<std::string, std::map<std::string, int>> confusion;
+  std::map<std::string, std::pair<int, int>> covered;
+  json all = json::array();
+  double seconds = 0.0;
+  int effects = 0, wrong = 0, others = 0, alarms = 0, done = 0;
+  for (std::uint64_t number = 0; done < suite.cases && number < 20ULL * static_cast<std::uint64_t>(suite.cases); ++number) {
+    Dice dice(suite.seed, number);
+    Case hidden;
+    const double draw = dice.Uniform(0.0, 1.0);
+    hidden.kind = !suite.kind.empty() ? suite.kind : draw < 0.5 ? "effect" : draw < 0.7 ? "null" : draw < 0.9 ? "decoy" : "unknown";
+    hidden.scenario = suite.scenarios[dice.Index(suite.scenarios.size())];
+    hidden.noise = std::pow(10.0, dice.Uniform(-2.7, -1.7));
+    const bool independent = hidden.scenario == "diagnose/heavy_duty_lumped" && suite.only.empty() &&
+                             (hidden.kind == "unknown" || dice.Uniform(0, 1) < 0.3);
+    hidden.generator = independent ? "independent" : "reference";
+    if (hidden.kind == "unknown" && !independent) continue;
+    Columns columns;
+    try {
+      if (independent) {
+        columns = FromIndependentLine(hidden, dice, suite.duration_s, hidden.kind == "effect", hidden.kind == "unknown");
+        hidden.size = 10.0;
+      } else {
+        Diagnostics diagnostics;
+        const auto files = FindScenarios(hidden.scenario, diagnostics);
+        std::optional<Plan> plan = LoadPlan(files.at(0), {}, diagnostics);
+        if (!plan) throw std::runtime_error(diagnostics.Format());
+        Excite(*plan, dice, suite.duration_s);
+        Plan nominal = *plan;
+        Detune(*plan, dice, hidden.kind == "null" ? 0.0 : 0.003);
+        if (hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.4)
+          plan->root["plant"]["initial_speed_rad_per_s"] = Value(dice.Uniform(-3.0, 3.0));
+        if (hidden.kind == "effect") {
+          std::vector<std::pair<const Effect*, Place>> choices;
+          const std::vector<const Effect*> known = registry.Effects();
+          std::vector<const Effect*> possible;
+          for (const Effect* effect : known) {
+            if (!effect->Places(*plan).empty() &&
+                (suite.only.empty() ||
+                 std::find(suite.only.begin(), suite.only.end(), effect->info().name) != suite.only.end()))
+              possible.push_back(effect);
+          }
+          const Effect* effect = possible.at(dice.Index(possible.size()));
+          std::vector<Place> places = effect->Places(*plan);
+          std::erase_if(places, [](const Place& place) { return place.name == "phi_1"; });
+          const Place place = places.at(dice.Index(places.size()));
+          const std::vector<double> full = FullStrength(*plan, *effect, place, dice);
+          hidden.parameters = Weaker(*effect, full, std::vector<double>{0.3, 1.0, 1.0}[dice.Index(3)]);
+          const Columns without = Simulated(*plan, registry);
+          Plan changed = *plan;
+          effect->Apply(changed, place, hidden.parameters);
+          columns = Simulated(changed, registry);
+          hidden.effect = effect->info().name;
+          hidden.at = place.ToString();
+          hidden.size = SizeOf(columns, without, hidden.noise);
+          if (hidden.size < 3.0) continue;  // does not count
+        } else {
+          columns = Simulated(*plan, registry);
+        }
+      }
+    } catch (const std::exception& error) {
+      std::cerr << fmt::format("case {}: cannot be made: {}\n", number, error.what());
+      continue;
+    }
+    AddNoise(columns, hidden.noise, hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.5, dice);
+    const fs::path folder = fs::path(suite.out) / fmt::format("case_{}_{}", suite.seed, number);
+    fs::create_directories(folder);
+    Write(folder / "record.csv", columns);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::string command = fmt::format("{} diagnose {} --data {}/record.csv --out {} --json {}/result.json >{}/table.txt 2>{}/err.txt",
+                                            suite.program, hidden.scenario, folder.string(), folder.string(), folder.string(), folder.string(), folder.string());
+    const int code = std::system(command.c_str());
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    json result;
+    std::ifstream stream(folder / "result.json");
+    if (code == 0 && stream) result = json::parse(stream, nullptr, false);
+    if (!result.is_object()) result = json::object();
+    // Only now is the truth looked at.
+    const std::string outcome = Judged(hidden, result);
+    ++done;
+    seconds += took;
+    const std::string row = hidden.kind == "effect" ? hidden.effect : "(" + hidden.kind + ")";
+    ++confusion[row][outcome];
+    if (hidden.kind == "effect") {
+      ++effects;
+      wrong += outcome == "wrong" ? 1 : 0;
+    } else if (hidden.kind != "unknown") {
+      ++others;
+      alarms += outcome == "false alarm" ? 1 : 0;
+    }
+    if (outcome == "right" && hidden.kind == "effect") {
+      if (const auto inside = Covered(hidden, result, registry)) {
+        covered[row].first += *inside ? 1 : 0;
+        ++covered[row].second;
+      }
+    }
+    std::string found;
+    for (const json& one : result.value("effects", json::array()))
+      found += one["name"].get<std::string>() + "@" + one["at"].get<std::string>() + " ";
+    std::cout << fmt::format("{:4} {:<12} {:<28} {:<22}{:<16} size {:7.1f}  -> {:<12} {} {}({:.1f} s)\n", number,
+                             hidden.generator, hidden.scenario, hidden.effect.empty() ? hidden.kind : hidden.effect,
+                             hidden.at, hidden.size, outcome, result.value("verdict", "broken"), found, took)
+              << std::flush;
+    all.push_back({{"number", number}, {"kind", hidden.kind}, {"scenario", hidden.scenario}, {"effect", hidden.effect},
+                   {"at", hidden.at}, {"parameters", hidden.parameters}, {"noise", hidden.noise}, {"size", hidden.size},
+                   {"outcome", outcome}, {"verdict", result.value("verdict", "broken")}, {"found", found}, {"seconds", took}});
+    if (outcome == "right") fs::remove_all(folder);
+  }
+  std::cout << "\n" << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   inside 95 %\n", "truth", "right", "in the set",
+                                   "abstained", "missed", "wrong", "false alarm", "broken");
+  for (const auto& [row, outcomes] : confusion) {
+    const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
+    std::cout << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
+                             count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
+                             covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
+  }
+  std::cout << fmt::format("\n{} cases, {:.1f} s each; wrong cause {} of {} (95 % upper bound {:.1f} %), false alarms {} of {} ({:.1f} %)\n",
+                           done, seconds / std::max(1, done), wrong, effects, 100.0 * UpperBound(wrong, effects), alarms, others,
+                           100.0 * UpperBound(alarms, others));
+  if (!suite.json_file.empty()) std::ofstream(suite.json_file) << all.dump(2) << "\n";
+  return wrong + alarms > 0 ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace dynoproof::blind
+
+int main(int argc, char** argv) {
+  dynoproof::blind::Suite suite;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&] { return ++i < argc ? std::string(argv[i]) : std::string(); };
+    if (word == "--cases") suite.cases = std::stoi(value());
+    else if (word == "--seed") suite.seed = std::stoull(value());
+    else if (word == "--scenario") suite.scenarios.push_back(value());
+    else if (word == "--effect") suite.only.push_back(value());
+    else if (word == "--kind") suite.kind = value();
+    else if (word == "--duration") suite.duration_s = std::stod(value());
+    else if (word == "--out") suite.out = value();
+    else if (word == "--json") suite.json_file = value();
+    else suite.program = word;
+  }
+  if (suite.scenarios.empty()) suite.scenarios = {"diagnose/heavy_duty_lumped", "diagnose/r2r_soft"};
+  return dynoproof::blind::Run(suite);
+}
