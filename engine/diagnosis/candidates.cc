@@ -84,7 +84,7 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
   if (name == "torque_ripple") {
     Starts starts;
     // Orders of poles, slots and gears; an order between them is reached by the search where the angle stays small.
-    for (const double n : {1., 2., 3., 4., 5., 6., 8., 9., 10., 12., 16., 18., 20., 24., 30., 36., 40., 48., 60., 72.})
+    for (const double n : {1., 2., 3., 4., 5., 6., 8., 10., 12., 16., 18., 20., 24., 30., 36., 48., 60., 72.})
       starts.push_back({friction, n, 0.0});
     return starts;
   }
@@ -100,7 +100,10 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
   }
   if (name == "cubic_stiffness") return {{0.02 * k / (twist * twist)}};
   if (name == "backlash") return {{0.03 * twist}, {0.3 * twist}};
-  if (name == "damping_change") return {{0.2}};
+  // Starts far off too: a resonance that moved by more than its width leaves no slope to follow.
+  if (name == "inertia_change" || name == "stiffness_change")
+    return {{0.02}, {-0.5}, {-0.3}, {-0.2}, {-0.1}, {0.1}, {0.2}, {0.35}, {0.6}, {1.0}};
+  if (name == "damping_change") return {{0.2}, {2.0}};
   if (name == "oil_dynamics") {
     const double c = NumberAt(plan, "plant.shaft." + place.name + ".damping_Nms_per_rad", 500.0);
     Starts starts;
@@ -161,6 +164,7 @@ Magnitudes MagnitudesOf(const Study& study) {
 
 std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes) {
   std::vector<Candidate> candidates;
+  bool rippled = false;
   for (const Effect* effect : study.registry().Effects()) {
     const std::string& name = effect->info().name;
     for (const Place& place : effect->Places(study.plan())) {
@@ -171,7 +175,9 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
       if (place.kind == "input" && !study.records().front().inputs.contains(place.name)) continue;
       Candidate candidate{effect, place, StartsOf(study, magnitudes, *effect, place), StrengthsOf(*effect), false};
       candidate.refinement =
-          name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction";
+          name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction" ||
+                             (name == "torque_ripple" && rippled);
+      rippled = rippled || name == "torque_ripple";
       for (std::vector<double>& start : candidate.starts) {
         for (std::size_t i = 0; i < start.size(); ++i)
           start[i] = std::clamp(start[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);

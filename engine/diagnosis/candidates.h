@@ -15,7 +15,7 @@ struct Candidate {
   std::vector<std::vector<double>> starts;
   /// Parameters in which the effect is about linear near its neutral value; empty: only a search tells.
   std::vector<std::size_t> strengths;
-  /// Tried only where a simpler effect of the same kind at the same place gains something: it contains that one.
+  /// Tried only where a relative of it gains something: the plain frictions at its place, or a ripple elsewhere.
   bool refinement = false;
 
   std::string ToString() const { return effect->info().name + "@" + place.ToString(); }

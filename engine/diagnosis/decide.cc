@@ -8,13 +8,24 @@ namespace dynoproof::diagnosis {
 
 std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, const Fit& fit) {
   const Eigen::VectorXd white = fitter.whitener()(study.measured() - fit.predicted);
-  const Eigen::Index p = fit.jacobian.cols();
-  const auto free = static_cast<Eigen::Index>(fit.doubts.free.size());
-  Eigen::MatrixXd information = fit.jacobian.transpose() * fit.jacobian;
-  for (Eigen::Index k = 0; k < free; ++k) {
-    const double freedom = fit.doubts.freedom[static_cast<std::size_t>(fit.doubts.free[static_cast<std::size_t>(k)])];
-    information(p - free + k, p - free + k) += 1.0 / (freedom * freedom);
+  // The state a record starts from shows in its first part only: no other part could tell it, so it stays.
+  std::vector<Eigen::Index> columns;
+  std::vector<double> prior;
+  const auto effects = fit.jacobian.cols() - static_cast<Eigen::Index>(fit.doubts.free.size());
+  for (Eigen::Index k = 0; k < fit.jacobian.cols(); ++k) {
+    if (k < effects) {
+      columns.push_back(k), prior.push_back(0.0);
+      continue;
+    }
+    const auto doubt = static_cast<std::size_t>(fit.doubts.free[static_cast<std::size_t>(k - effects)]);
+    if (study.doubts()[doubt].start) continue;
+    columns.push_back(k), prior.push_back(1.0 / std::pow(fit.doubts.freedom[doubt], 2));
   }
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd jacobian(fit.jacobian.rows(), p);
+  for (Eigen::Index k = 0; k < p; ++k) jacobian.col(k) = fit.jacobian.col(columns[static_cast<std::size_t>(k)]);
+  Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  for (Eigen::Index k = 0; k < p; ++k) information(k, k) += prior[static_cast<std::size_t>(k)];
   std::vector<double> blocks(kBlocks, 0.0);
   for (int b = 0; b < kBlocks; ++b) {
     Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(p, p);
@@ -26,7 +37,7 @@ std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, cons
       }
     };
     each([&](Eigen::Index begin, Eigen::Index count) {
-      const auto rows = fit.jacobian.middleRows(begin, count);
+      const auto rows = jacobian.middleRows(begin, count);
       inside += rows.transpose() * rows;
       right += rows.transpose() * white.segment(begin, count);
     });
@@ -38,7 +49,7 @@ std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, cons
         p > 0 ? Eigen::VectorXd(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right)) : right;
     each([&](Eigen::Index begin, Eigen::Index count) {
       Eigen::VectorXd error = white.segment(begin, count);
-      if (p > 0) error += fit.jacobian.middleRows(begin, count) * shift;
+      if (p > 0) error += jacobian.middleRows(begin, count) * shift;
       blocks[static_cast<std::size_t>(b)] += error.squaredNorm();
     });
   }
@@ -52,7 +63,7 @@ double Threshold(double rows, std::size_t candidates) {
   return std::max(odds + std::log(std::max(2.0, rows)), 1e-3 * rows);
 }
 
-Standing Compare(const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
+Standing Compare(const Study& study, const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
                  const std::vector<double>& blocks, double rows, std::size_t candidates) {
   Standing standing;
   standing.chi2_gain = nominal.chi2 - fit.chi2;
@@ -70,8 +81,18 @@ Standing Compare(const Fit& nominal, const std::vector<double>& nominal_blocks, 
     standing.blocks_better += blocks[b] < nominal_blocks[b] ? 1 : 0;
   }
   const double threshold = Threshold(rows, candidates);
+  // A nominal model that needs its doubts far outside their spread predicts the validation parts as well as an effect
+  // that says so openly; then it is enough that the effect is not worse there.
+  constexpr double kFar = 3.5;
+  double farthest = 0.0;
+  for (const int i : nominal.doubts.free) {
+    if (study.doubts()[static_cast<std::size_t>(i)].start) continue;
+    farthest = std::max(farthest, std::abs(nominal.hypothesis.z[static_cast<std::size_t>(i)]));
+  }
+  const bool valid = farthest > kFar ? standing.validation_gain > -0.5 * threshold
+                                     : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
   standing.significant = standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold &&
-                         standing.p_value < 1e-4 && standing.validation_gain > 0.0 && standing.blocks_better >= 3;
+                         standing.p_value < 1e-4 && valid;
   return standing;
 }
 

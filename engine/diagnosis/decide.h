@@ -26,7 +26,7 @@ std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, cons
 /// Least gain of chi2 that counts, for so many rows and candidates.
 double Threshold(double rows, std::size_t candidates);
 
-Standing Compare(const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
+Standing Compare(const Study& study, const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
                  const std::vector<double>& blocks, double rows, std::size_t candidates);
 
 /// Drops what is more complex without being better, and returns the fits (by number) that cannot be told from the best

@@ -17,14 +17,16 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kTrainingShare = 0.7;
-constexpr std::size_t kFullFits = 8;   // candidates that are fitted fully after the screening
-constexpr std::size_t kPolished = 5;   // of these, those whose doubts are linearised anew
+constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
+constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
+constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
+constexpr double kHopeless = 6.0;         // times the best one's chi2, when nothing has been linearised anew yet
 
 class Diagnosing {
  public:
   Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
              const DiagnoseOptions& options)
-      : study_(study), data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
+      : study_(study), short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)), data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
 
   Result<Diagnosis> Run() {
     result_.own_holdout = !holdout_.empty();
@@ -43,12 +45,15 @@ class Diagnosing {
       whitener = WhitenerOf(null);
       null = Fitter(study_, whitener).Evaluate({}, *doubts);
     }
-    null = Fitter(study_, whitener).Polish(std::move(null), 2);
-    whitener = WhitenerOf(null);
+    // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
+    // hide it. Only as a hypothesis of its own does the nominal model get all the freedom of its doubts.
+    const Fit base = null;
+    for (int i = 0; i < 2; ++i) null = Fitter(study_, WhitenerOf(null, 0)).Polish(std::move(null), 3);
 
     candidates_ = CandidatesFor(study_, MagnitudesOf(study_));
     threshold_ = Threshold(whitener.rows(), candidates_.size());
-    std::vector<Fit> fits = FitBest(Fitter(study_, whitener), null, "one effect", 0.05, 0.5);
+    std::vector<Fit> fits = FitBest(Fitter(study_, whitener), base, "one effect", 0.05, 0.5);
+    Suggest(Fitter(study_, whitener), null, fits);
     SortAgain(fits, null);
     Fit best = fits.empty() ? null : fits.front();
     std::vector<Structure> structure = StructureOf(best);
@@ -61,9 +66,21 @@ class Diagnosing {
   }
 
  private:
+  static Plan ShortPlan(Plan plan) {
+    plan.root["run"]["realtime"]["substeps"] = Value(2);
+    return plan;
+  }
+  static double ShortShare(const std::vector<MappedRecord>& data) {
+    double share = 0.3;
+    for (const MappedRecord& record : data) share = std::max(share, kScreeningTime_s / std::max(record.end_s, 1e-9));
+    return std::min(share, kTrainingShare);
+  }
+
   void Step(const std::string& what, double fraction) { options_.progress(what, fraction); }
 
-  Whitener WhitenerOf(const Fit& fit) const { return {study_.channels(), study_.measured() - fit.predicted}; }
+  Whitener WhitenerOf(const Fit& fit, int order = Whitener::kOrder) const {
+    return {study_.channels(), study_.measured() - fit.predicted, order};
+  }
   std::vector<Structure> StructureOf(const Fit& fit) const {
     return FindStructure(study_, study_.measured() - fit.predicted, fit.predicted);
   }
@@ -76,9 +93,7 @@ class Diagnosing {
     const std::string stage = base.Name();
     std::vector<Screened> screened = saved_.Screening(stage);
     if (screened.empty()) {
-      screened = Screen(study_, fitter, base, candidates_, threshold_, [&](double done) {
-        Step("screening, " + what, begin + 0.7 * (end - begin) * done);
-      });
+      screened = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
       saved_.KeepScreening(stage, screened);
     }
     for (const Screened& one : screened) simulations_ += one.simulations;
@@ -86,7 +101,7 @@ class Diagnosing {
     std::vector<Fit> fits;
     for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
       const Screened& one = screened[k];
-      if (!std::isfinite(one.chi2) || base.chi2 - one.chi2 < 0.3 * threshold_) break;
+      if (!std::isfinite(one.chi2) || short_base_chi2_ - one.chi2 < 0.3 * short_threshold_) break;
       const Candidate& candidate = candidates_[one.candidate];
       std::vector<Assumed> effects = base.hypothesis.effects;
       if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
@@ -102,6 +117,56 @@ class Diagnosing {
     }
     std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
     return fits;
+  }
+
+  /// A doubt that the nominal model needs far outside its spread is no doubt any more: it is a candidate, found by all
+  /// the doubts moving together, which no single start can.
+  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
+    constexpr double kFar = 3.0;
+    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      const Doubt& doubt = study_.doubts()[i];
+      if (doubt.effect.empty() || !doubt.relative || std::abs(null.hypothesis.z[i]) < kFar) continue;
+      const Effect* effect = study_.registry().FindEffect(doubt.effect);
+      const std::optional<Place> place = ParsePlace(doubt.at);
+      if (effect == nullptr || !place) continue;
+      const EffectParameter& delta = effect->info().parameters.front();
+      Hypothesis at = null.hypothesis;
+      at.effects.push_back(
+          {effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
+      at.z[i] = 0.0;
+      const Result<DoubtModel> doubts = LineariseDoubts(study_, at, FreedomOf(study_, at.effects));
+      if (!doubts.ok()) continue;
+      Step("fitting " + at.effects.back().ToString(), 0.5);
+      Fit fit = fitter.Optimise(at.effects, *doubts, 8);
+      simulations_ += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
+      if (!fit.ok()) continue;
+      std::erase_if(fits, [&](const Fit& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
+      if (std::none_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); }))
+        fits.push_back(std::move(fit));
+    }
+    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
+  }
+
+  /// Screens on the first part of the records, with half the substeps: it only ranks.
+  std::vector<Screened> ScreenShort(const Fit& base, const std::string& what, double begin, double end) {
+    const Result<DoubtModel> doubts =
+        LineariseDoubts(short_, {base.doubts.z0, base.hypothesis.effects}, base.doubts.freedom);
+    if (!doubts.ok()) return {};
+    const Result<Eigen::VectorXd> at = short_.Predict({base.doubts.z0, base.hypothesis.effects});
+    if (!at.ok()) return {};
+    Whitener whitener(short_.channels(), short_.measured() - *at);
+    Fit fit;
+    for (int i = 0; i < 2; ++i) {
+      fit = Fitter(short_, whitener).Evaluate(base.hypothesis.effects, *doubts);
+      if (!fit.ok()) return {};
+      whitener = Whitener(short_.channels(), short_.measured() - fit.predicted);
+    }
+    const Fitter fitter(short_, whitener);
+    fit = fitter.Evaluate(base.hypothesis.effects, *doubts);
+    short_base_chi2_ = fit.chi2;
+    short_threshold_ = Threshold(whitener.rows(), candidates_.size());
+    return Screen(short_, fitter, fit, candidates_, short_threshold_,
+                  [&](double done) { Step("screening, " + what, begin + (end - begin) * done); });
   }
 
   /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
@@ -130,14 +195,19 @@ class Diagnosing {
     const auto order = [&] {
       std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
     };
-    for (int round = 0; round < 2; ++round) {
-      const Fitter fitter(study_, WhitenerOf(fits.front()));
-      const std::size_t many = std::min(fits.size(), round == 0 ? kPolished + 1 : kPolished);
+    for (int round = 0; round < 3; ++round) {
+      // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
+      // there yet would count what the fit lacks as noise, and stay there. Twice, because the first time the size of
+      // the noise is not known either, and the doubts' prior weighs too much.
+      const Fitter fitter(study_, WhitenerOf(fits.front(), round < 2 ? 0 : Whitener::kOrder));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      order();
+      const std::size_t many = round == 0 ? kPolished + 1 : kPolished;
       for (std::size_t k = 0; k < fits.size(); ++k) {
-        Step("fitting again: " + fits[k].Name(), 0.5 + 0.1 * round + 0.1 * static_cast<double>(k) / kFullFits);
+        if (k >= many || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) continue;
+        Step("fitting again: " + fits[k].Name(), 0.5 + 0.06 * round + 0.06 * static_cast<double>(k) / kFullFits);
         const int before = fits[k].simulations;
-        fits[k] = k < many ? fitter.Polish(std::move(fits[k]), round == 0 ? 2 : 3)
-                           : fitter.Evaluate(fits[k].hypothesis.effects, fits[k].doubts);
+        fits[k] = fitter.Polish(std::move(fits[k]), 3);
         simulations_ += std::max(0, fits[k].simulations - before);
       }
       std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
@@ -145,15 +215,16 @@ class Diagnosing {
       order();
     }
     const Fitter fitter(study_, WhitenerOf(fits.front()));
-    null = fitter.Polish(std::move(null), 3);
-    for (Fit& fit : fits) fit = fitter.Evaluate(fit.hypothesis.effects, fit.doubts);
+    null = fitter.Polish(std::move(null), 4);
+    for (Fit& fit : fits) fitter.Weigh(fit);
     order();
   }
 
   void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
     const Fitter fitter(study_, WhitenerOf(best));
-    Fit base = fitter.Evaluate(best.hypothesis.effects, best.doubts);
-    if (!base.ok()) return;
+    Fit base = best;
+    fitter.Weigh(base);
+    base.doubts.z0 = base.hypothesis.z;  // candidates are added at the optimum
     std::vector<Fit> pairs = FitBest(fitter, base, "two effects", 0.7, 0.95);
     if (pairs.size() > 3) pairs.resize(3);
     if (pairs.empty()) return;
@@ -172,19 +243,17 @@ class Diagnosing {
 
   void Judge(Fit& null, std::vector<Fit>& fits, const std::vector<Structure>& structure) {
     const Fitter fitter(study_, fits.empty() ? WhitenerOf(null) : WhitenerOf(fits.front()));
-    null = fitter.Evaluate({}, null.doubts);
+    fitter.Weigh(null);
     fitter.Derive(null);
     const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
     const double rows = fitter.whitener().rows();
     std::vector<Fit> standing;
     for (Fit& fit : fits) {
-      const Fit before = fit;
-      fit = fitter.Evaluate(fit.hypothesis.effects, fit.doubts);
-      if (!fit.ok()) continue;
+      fitter.Weigh(fit);
       fitter.Derive(fit);
-      simulations_ += fit.simulations + fit.parameters();
+      simulations_ += fit.parameters() + 1;
       const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
-      const Standing s = Compare(null, null_blocks, fit, blocks, rows, candidates_.size());
+      const Standing s = Compare(study_, null, null_blocks, fit, blocks, rows, candidates_.size());
       Considered& considered = result_.considered.emplace_back();
       const Assumed& last = fit.hypothesis.effects.back();
       considered.name = last.effect->info().name;
@@ -403,6 +472,8 @@ class Diagnosing {
   }
 
   const Study& study_;
+  const Study short_;
+  double short_base_chi2_ = 0.0, short_threshold_ = 0.0;
   const std::vector<MappedRecord>& data_;
   const std::vector<MappedRecord>& holdout_;
   const DiagnoseOptions& options_;

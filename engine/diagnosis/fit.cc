@@ -17,56 +17,6 @@ constexpr double kWide = 40.0;
 
 bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
 
-/// The projection onto the doubts: for a whitened error it gives the doubts that fit best.
-class Projection {
- public:
-  Projection(const DoubtModel& doubts, const Whitener& whitener) : doubts_(doubts) {
-    const auto m = static_cast<Eigen::Index>(doubts.free.size());
-    white_.resize(doubts.jacobian.rows(), m);
-    prior_.resize(m);
-    centre_.resize(m);
-    for (Eigen::Index k = 0; k < m; ++k) {
-      white_.col(k) = whitener(doubts.jacobian.col(k));
-      const auto i = static_cast<std::size_t>(doubts.free[static_cast<std::size_t>(k)]);
-      prior_[k] = 1.0 / doubts.freedom[i];
-      centre_[k] = doubts.z0[i];
-    }
-    Eigen::MatrixXd information = white_.transpose() * white_;
-    information.diagonal() += prior_.cwiseAbs2();
-    if (m > 0) {
-      factor_.compute(information);
-      const Eigen::VectorXd d = factor_.vectorD();
-      log_det_ = d.array().max(1e-300).log().sum() - 2.0 * prior_.array().log().sum();
-    }
-  }
-
-  /// Shift of the free doubts for a whitened error.
-  Eigen::VectorXd Shift(const Eigen::VectorXd& error) const {
-    if (prior_.size() == 0) return {};
-    return factor_.solve(white_.transpose() * error - prior_.cwiseAbs2().cwiseProduct(centre_));
-  }
-  /// What is left: the error without its part along the doubts, then the doubts over their prior.
-  Eigen::VectorXd Residual(const Eigen::VectorXd& error, const Eigen::VectorXd& shift) const {
-    Eigen::VectorXd all(error.size() + prior_.size());
-    all.head(error.size()) = error;
-    if (prior_.size() > 0) {
-      all.head(error.size()).noalias() -= white_ * shift;
-      all.tail(prior_.size()) = prior_.cwiseProduct(centre_ + shift);
-    }
-    return all;
-  }
-  double log_det() const { return log_det_; }
-  const Eigen::MatrixXd& white() const { return white_; }
-  const Eigen::VectorXd& prior() const { return prior_; }
-
- private:
-  const DoubtModel& doubts_;
-  Eigen::MatrixXd white_;
-  Eigen::VectorXd prior_, centre_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
-  double log_det_ = 0.0;
-};
-
 /// How a search sees the parameters: logarithms where the range spans decades and no value is neutral, else multiples
 /// of a natural step. All searched numbers are about 1 apart.
 class Coordinates {
@@ -127,9 +77,9 @@ class Coordinates {
   std::vector<Axis> axes_;
 };
 
-// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines, and to 1e-4 where friction
-// sticks; a step of 1e-3 of a parameter's own size stands above both.
-constexpr double kStep = 1e-3;
+// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines; a step of 1e-4 of a parameter's
+// own size stands far above that, and is small beside the width of a sharp resonance.
+constexpr double kStep = 1e-4;
 
 class FreeRunCost : public ceres::CostFunction {
  public:
@@ -189,6 +139,44 @@ class FreeRunCost : public ceres::CostFunction {
 
 }  // namespace
 
+Projection::Projection(const DoubtModel& doubts, const Whitener& whitener) {
+  const auto m = static_cast<Eigen::Index>(doubts.free.size());
+  white_.resize(doubts.jacobian.rows(), m);
+  prior_.resize(m);
+  centre_.resize(m);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    white_.col(k) = whitener(doubts.jacobian.col(k));
+    const auto i = static_cast<std::size_t>(doubts.free[static_cast<std::size_t>(k)]);
+    prior_[k] = 1.0 / doubts.freedom[i];
+    centre_[k] = doubts.z0[i];
+  }
+  if (m == 0) return;
+  Eigen::MatrixXd information = white_.transpose() * white_;
+  information.diagonal() += prior_.cwiseAbs2();
+  factor_.compute(information);
+  log_det_ = factor_.vectorD().array().max(1e-300).log().sum() - 2.0 * prior_.array().log().sum();
+}
+
+Eigen::VectorXd Projection::Shift(const Eigen::VectorXd& error) const {
+  if (prior_.size() == 0) return {};
+  return factor_.solve(white_.transpose() * error - prior_.cwiseAbs2().cwiseProduct(centre_));
+}
+
+Eigen::VectorXd Projection::Residual(const Eigen::VectorXd& error, const Eigen::VectorXd& shift) const {
+  Eigen::VectorXd all(error.size() + prior_.size());
+  all.head(error.size()) = error;
+  if (prior_.size() > 0) {
+    all.head(error.size()).noalias() -= white_ * shift;
+    all.tail(prior_.size()) = prior_.cwiseProduct(centre_ + shift);
+  }
+  return all;
+}
+
+Eigen::VectorXd Projection::Free(const Eigen::VectorXd& white) const {
+  if (prior_.size() == 0) return white;
+  return white - white_ * factor_.solve(white_.transpose() * white);
+}
+
 std::string Fit::Name() const {
   std::string name;
   for (const Assumed& assumed : hypothesis.effects) name += (name.empty() ? "" : " + ") + assumed.ToString();
@@ -226,8 +214,9 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
   for (std::size_t i = 0; i < model.freedom.size(); ++i) {
     if (model.freedom[i] > 0.0) model.free.push_back(static_cast<int>(i));
   }
-  // A fifth of a spread: 0.2 % of a stiffness moves a resonance by 0.1 %, well within its width.
-  constexpr double kDoubtStep = 0.1;
+  // Sharp resonances ring for a second: 1e-5 of a stiffness turns their phase by some 0.05 rad in that time, still
+  // linear; and stands far above the round-off of a free run.
+  constexpr double kDoubtStep = 1e-3;
   std::vector<Eigen::VectorXd> points(model.free.size() + 1);
   std::mutex guard;
   Status failed;
@@ -250,6 +239,11 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
 }
 
 Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const {
+  return Evaluate(effects, doubts, Projection(doubts, whitener_));
+}
+
+Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts,
+                     const Projection& projection) const {
   Fit fit;
   fit.hypothesis = {doubts.z0, effects};
   fit.doubts = doubts;
@@ -259,7 +253,6 @@ Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doub
     fit.broken = predicted.ok() ? "not finite" : predicted.failure().ToString();
     return fit;
   }
-  const Projection projection(doubts, whitener_);
   const Eigen::VectorXd error = whitener_(study_.measured() - *predicted);
   const Eigen::VectorXd shift = projection.Shift(error);
   fit.chi2 = projection.Residual(error, shift).squaredNorm();
@@ -267,7 +260,8 @@ Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doub
   if (shift.size() > 0) fit.predicted += doubts.jacobian * shift;
   for (std::size_t k = 0; k < doubts.free.size(); ++k)
     fit.hypothesis.z[static_cast<std::size_t>(doubts.free[k])] += shift[static_cast<Eigen::Index>(k)];
-  fit.criterion = fit.chi2 + projection.log_det() + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
+  fit.log_det = projection.log_det();
+  fit.criterion = fit.chi2 + fit.log_det + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
   return fit;
 }
 
@@ -292,21 +286,59 @@ Fit Fitter::Optimise(const std::vector<Assumed>& effects, const DoubtModel& doub
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  Fit fit = Evaluate(coordinates.At(x.data()), doubts);
+  Fit fit = Evaluate(coordinates.At(x.data()), doubts, projection);
   fit.simulations += simulations;
   if (!summary.IsSolutionUsable() && fit.ok() && !std::isfinite(fit.chi2)) fit.broken = summary.message;
   return fit;
 }
 
+void Fitter::Weigh(Fit& fit) const {
+  fit.chi2 = whitener_(study_.measured() - fit.predicted).squaredNorm();
+  for (const int i : fit.doubts.free) {
+    const auto k = static_cast<std::size_t>(i);
+    fit.chi2 += std::pow(fit.hypothesis.z[k] / fit.doubts.freedom[k], 2);
+  }
+  fit.log_det = Projection(fit.doubts, whitener_).log_det();
+  fit.criterion = fit.chi2 + fit.log_det + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
+}
+
 Fit Fitter::Polish(Fit fit, int rounds) const {
-  for (int round = 0; round < rounds && fit.ok(); ++round) {
+  const auto simulate = [this](Fit& at) {
+    ++at.simulations;
+    const Result<Eigen::VectorXd> predicted = study_.Predict(at.hypothesis);
+    if (!predicted.ok() || !predicted->allFinite()) return false;
+    at.predicted = *predicted;
+    Weigh(at);
+    return true;
+  };
+  if (!fit.ok() || !simulate(fit)) return fit;
+  for (int round = 0; round < rounds; ++round) {
     const Result<DoubtModel> doubts =
         LineariseDoubts(study_, fit.hypothesis, FreedomOf(study_, fit.hypothesis.effects));
     if (!doubts.ok()) break;
-    Fit next = Optimise(fit.hypothesis.effects, *doubts, 8);
+    Fit next = Optimise(fit.hypothesis.effects, *doubts, round == 0 ? 6 : 4);
     next.simulations += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
     if (!next.ok()) break;
-    const bool settled = round > 0 && std::abs(next.chi2 - fit.chi2) < 0.5;
+    const Hypothesis goal = next.hypothesis;
+    double share = 1.0;
+    bool better = false;
+    for (int halving = 0; halving < 4 && !better; ++halving, share *= 0.5) {
+      for (std::size_t i = 0; i < goal.z.size(); ++i)
+        next.hypothesis.z[i] = fit.hypothesis.z[i] + share * (goal.z[i] - fit.hypothesis.z[i]);
+      for (std::size_t e = 0; e < goal.effects.size(); ++e) {
+        for (std::size_t i = 0; i < goal.effects[e].parameters.size(); ++i) {
+          const double from = fit.hypothesis.effects[e].parameters[i];
+          next.hypothesis.effects[e].parameters[i] = from + share * (goal.effects[e].parameters[i] - from);
+        }
+      }
+      better = simulate(next) && next.chi2 < fit.chi2;
+    }
+    if (!better) {
+      fit.simulations = next.simulations;
+      fit.doubts = *doubts;
+      break;
+    }
+    const bool settled = fit.chi2 - next.chi2 < 0.5;
     fit = std::move(next);
     if (settled) break;
   }

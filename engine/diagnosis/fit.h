@@ -26,10 +26,31 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
 /// dampings that are nominally zero; wide where an effect changes the structure.
 std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects);
 
+/// The projection onto the doubts: for a whitened error it gives the doubts that fit best, and what is left.
+class Projection {
+ public:
+  Projection(const DoubtModel& doubts, const Whitener& whitener);
+
+  /// Shift of the free doubts for a whitened error.
+  Eigen::VectorXd Shift(const Eigen::VectorXd& error) const;
+  /// The error without its part along the doubts, then the doubts over their prior.
+  Eigen::VectorXd Residual(const Eigen::VectorXd& error, const Eigen::VectorXd& shift) const;
+  /// A whitened signature without what the doubts can mimic.
+  Eigen::VectorXd Free(const Eigen::VectorXd& white) const;
+  double log_det() const { return log_det_; }
+
+ private:
+  Eigen::MatrixXd white_;
+  Eigen::VectorXd prior_, centre_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  double log_det_ = 0.0;
+};
+
 struct Fit {
   Hypothesis hypothesis;
   DoubtModel doubts;
-  Eigen::VectorXd predicted;  // as simulated at the hypothesis, with the linear shift of the doubts
+  Eigen::VectorXd predicted;  // simulated; Evaluate() and Optimise() add the linear shift of the doubts instead
+  double log_det = 0.0;       // of the doubts: what their freedom costs
   double chi2 = 0.0;          // whitened squares, and the doubts' prior
   double criterion = 0.0;     // -2 log evidence: chi2 + log det of the doubts + p log n
   int simulations = 0;
@@ -51,10 +72,14 @@ class Fitter {
 
   /// The doubts alone, at given effects.
   Fit Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const;
+  Fit Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts, const Projection& projection) const;
   /// From the effects as given, within the bounds.
   Fit Optimise(const std::vector<Assumed>& effects, const DoubtModel& doubts, int iterations = 12) const;
-  /// Linearises the doubts about the fit and fits again, until nothing changes (or `rounds`).
+  /// Linearises the doubts about the fit and fits again, until nothing changes (or `rounds`). Each step is simulated,
+  /// and halved where it went too far: a resonance that moves by its own width is not linear any more.
   Fit Polish(Fit fit, int rounds = 4) const;
+  /// The same fit under this whitener, without another simulation.
+  void Weigh(Fit& fit) const;
   /// Jacobian and covariance of a fit; the covariance is that of white residuals (what the whitener makes of them).
   void Derive(Fit& fit) const;
 

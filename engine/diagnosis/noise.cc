@@ -68,10 +68,10 @@ ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order) {
   return {{a.data(), a.data() + order}, std::max(std::sqrt(power), std::numeric_limits<double>::min())};
 }
 
-Whitener::Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, double least)
+Whitener::Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order, double least)
     : channels_(channels) {
   for (const Channel& channel : channels_) {
-    ArModel model = FitAr(residual.segment(channel.begin, channel.count), kOrder);
+    ArModel model = FitAr(residual.segment(channel.begin, channel.count), order);
     const double floor = least * std::max(channel.spread, 1e-12 * channel.nominal);
     // Below the floor the residual is the simulation's own error: taken as white, its colour means nothing.
     if (model.sigma < floor) model = {std::vector<double>(model.a.size(), 0.0), floor};

@@ -24,9 +24,10 @@ class Whitener {
  public:
   static constexpr int kOrder = 30;  // resonances of a drive line below 2 kHz at 10 kHz: some ten pole pairs
 
-  /// Fits to the residual of the best model so far. `least`: smallest sigma over the channel's spread; what a simulation
+  /// Fits to the residual of the best model so far; `order` 0: white. `least`: smallest sigma over the channel's spread; what a simulation
   /// is good for, so that synthetic records without noise do not ask for more digits than there are.
-  Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, double least = 1e-6);
+  Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order = kOrder,
+           double least = 1e-6);
 
   Eigen::VectorXd operator()(const Eigen::VectorXd& rows) const;
   /// Rows that count.

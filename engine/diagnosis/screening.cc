@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 
 #include "diagnosis/parallel.h"
@@ -14,26 +15,12 @@ namespace {
 /// What the screening of one candidate needs: the base's whitened error, freed of what the doubts explain.
 class Look {
  public:
-  Look(const Study& study, const Fitter& fitter, const Fit& base) : study_(study), fitter_(fitter), base_(base) {
-    const auto m = static_cast<Eigen::Index>(base.doubts.free.size());
-    white_.resize(study.measured().size(), m);
-    for (Eigen::Index k = 0; k < m; ++k) white_.col(k) = fitter.whitener()(base.doubts.jacobian.col(k));
-    Eigen::MatrixXd information = white_.transpose() * white_;
-    for (Eigen::Index k = 0; k < m; ++k) {
-      const double freedom = base.doubts.freedom[static_cast<std::size_t>(base.doubts.free[static_cast<std::size_t>(k)])];
-      information(k, k) += 1.0 / (freedom * freedom);
-    }
-    if (m > 0) factor_.compute(information);
+  Look(const Study& study, const Fitter& fitter, const Fit& base)
+      : study_(study), fitter_(fitter), base_(base), projection_(base.doubts, fitter.whitener()) {
     const Result<Eigen::VectorXd> at = study.Predict({base.doubts.z0, base.hypothesis.effects});
     if (at.ok()) predicted_ = *at;
     error_ = fitter.whitener()(study.measured() - predicted_);
-    freed_error_ = Free(error_);
-  }
-
-  /// Without what the doubts can mimic. A doubt that is the candidate's own parameter stays with the others here, so
-  /// parameter changes are projected at the freedom their prior leaves.
-  Eigen::VectorXd Free(const Eigen::VectorXd& x) const {
-    return white_.cols() > 0 ? Eigen::VectorXd(x - white_ * factor_.solve(white_.transpose() * x)) : x;
+    freed_error_ = projection_.Free(error_);
   }
 
   Screened At(const Candidate& candidate, double threshold) const {
@@ -41,7 +28,11 @@ class Look {
     best.chi2 = best.criterion = std::numeric_limits<double>::infinity();
     best.smallest = std::numeric_limits<double>::quiet_NaN();
     // The candidate's own doubt must not compete with it.
-    DoubtModel doubts = Without(candidate);
+    const std::optional<DoubtModel> fewer = Without(candidate);
+    const std::optional<Projection> own = fewer ? std::optional<Projection>(Projection(*fewer, fitter_.whitener()))
+                                                : std::nullopt;
+    const DoubtModel& doubts = fewer ? *fewer : base_.doubts;
+    const Projection& projection = own ? *own : projection_;
     const auto take = [&](const Fit& fit) {
       best.simulations += fit.simulations;
       if (!fit.ok() || !(fit.criterion < best.criterion)) return;
@@ -52,18 +43,29 @@ class Look {
     const auto evaluate = [&](const std::vector<double>& parameters) {
       std::vector<Assumed> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At(parameters));
-      return fitter_.Evaluate(effects, doubts);
+      return fitter_.Evaluate(effects, doubts, projection);
     };
     for (const std::vector<double>& start : candidate.starts) {
+      if (candidate.effect->info().name == "torque_ripple") {
+        const std::optional<std::vector<double>> sized = SizeRipple(candidate, projection, start, threshold, best);
+        if (sized) take(evaluate(*sized));
+        continue;
+      }
       if (candidate.strengths.empty()) {
+        take(evaluate(start));
+        continue;
+      }
+      // Beyond the first, the starts of a changed parameter are tried as they stand.
+      if (&start != &candidate.starts.front() && candidate.effect->info().name.ends_with("_change")) {
         take(evaluate(start));
         continue;
       }
       std::vector<double> from = start;
       const int rounds = candidate.strengths.size() == 1 ? 2 : 1;
       for (int round = 0; round < rounds; ++round) {
-        const std::optional<std::vector<double>> scaled = Scale(candidate, from, threshold, best);
-        if (!scaled) break;
+        double gain = 0.0;
+        const std::optional<std::vector<double>> scaled = Scale(candidate, projection, from, threshold, best, gain);
+        if (!scaled || gain < 0.3 * threshold) break;  // not worth a run at that size
         take(evaluate(*scaled));
         if (*scaled == from) break;
         from = *scaled;
@@ -81,7 +83,7 @@ class Look {
   }
 
  private:
-  DoubtModel Without(const Candidate& candidate) const {
+  std::optional<DoubtModel> Without(const Candidate& candidate) const {
     std::vector<Assumed> effects = base_.hypothesis.effects;
     effects.push_back(candidate.At(candidate.starts.front()));
     const std::vector<double> freedom = FreedomOf(study_, effects);
@@ -92,7 +94,7 @@ class Look {
       doubts.freedom[i] = std::min(doubts.freedom[i], freedom[i]);
       if (doubts.freedom[i] > 0.0) columns.push_back(static_cast<int>(k));
     }
-    if (columns.size() == doubts.free.size()) return doubts;
+    if (columns.size() == doubts.free.size()) return std::nullopt;
     DoubtModel fewer = doubts;
     fewer.free.clear();
     fewer.jacobian.resize(doubts.jacobian.rows(), static_cast<Eigen::Index>(columns.size()));
@@ -103,11 +105,41 @@ class Look {
     return fewer;
   }
 
+  /// A ripple of that order: sine and cosine are two signatures, amplitude and phase follow.
+  std::optional<std::vector<double>> SizeRipple(const Candidate& candidate, const Projection& projection,
+                                                const std::vector<double>& start, double threshold,
+                                                Screened& screened) const {
+    Eigen::MatrixXd signatures(error_.size(), 2);
+    for (int k = 0; k < 2; ++k) {
+      std::vector<Assumed> effects = base_.hypothesis.effects;
+      effects.push_back(candidate.At({start[0], start[1], k * 0.5 * std::numbers::pi}));
+      ++screened.simulations;
+      const Result<Eigen::VectorXd> predicted = study_.Predict({base_.doubts.z0, effects});
+      if (!predicted.ok() || !predicted->allFinite()) return std::nullopt;
+      signatures.col(k) = projection.Free(fitter_.whitener()(*predicted - predicted_));
+    }
+    const double norm = signatures.col(0).norm();
+    if (norm > 0.0 && !(screened.smallest <= start[0] * std::sqrt(threshold) / norm))
+      screened.smallest = start[0] * std::sqrt(threshold) / norm;
+    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : projection.Free(error_);
+    Eigen::Matrix2d gram = signatures.transpose() * signatures;
+    gram.diagonal().array() += 1e-12;
+    const Eigen::Vector2d right = signatures.transpose() * error;
+    const Eigen::Vector2d alpha = gram.ldlt().solve(right);
+    if (alpha.dot(right) < 0.3 * threshold) return std::nullopt;
+    const EffectParameter& amplitude = candidate.effect->info().parameters[0];
+    return std::vector<double>{std::clamp(start[0] * alpha.norm(), amplitude.lower, amplitude.upper), start[1],
+                               std::atan2(alpha[1], alpha[0])};
+  }
+
   /// One signature a strength at its size in `from`; the sizes that fit best, within the bounds.
-  std::optional<std::vector<double>> Scale(const Candidate& candidate, const std::vector<double>& from,
-                                           double threshold, Screened& screened) const {
+  /// `gain`: of chi2, if the signatures stay what they are.
+  std::optional<std::vector<double>> Scale(const Candidate& candidate, const Projection& projection,
+                                           const std::vector<double>& from, double threshold, Screened& screened,
+                                           double& gain) const {
     const std::vector<EffectParameter>& parameters = candidate.effect->info().parameters;
     const std::vector<std::size_t>& strengths = candidate.strengths;
+    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : projection.Free(error_);
     std::vector<double> neutral = from;
     for (const std::size_t i : strengths) neutral[i] = parameters[i].neutral;
     Eigen::MatrixXd signatures(error_.size(), static_cast<Eigen::Index>(strengths.size()));
@@ -119,12 +151,14 @@ class Look {
       ++screened.simulations;
       const Result<Eigen::VectorXd> predicted = study_.Predict({base_.doubts.z0, effects});
       if (!predicted.ok() || !predicted->allFinite()) return std::nullopt;
-      const Eigen::VectorXd signature = Free(fitter_.whitener()(*predicted - predicted_));
+      const Eigen::VectorXd signature = projection.Free(fitter_.whitener()(*predicted - predicted_));
       signatures.col(static_cast<Eigen::Index>(k)) = signature;
       const double size = std::abs(from[strengths[k]] - neutral[strengths[k]]);
       const double norm = signature.norm();
       if (k == 0 && norm > 0.0) {
-        const double seen = size * std::sqrt(threshold) / norm;
+        double seen = size * std::sqrt(threshold) / norm;
+        // Play shows at once or not at all: its signature does not grow with its size.
+        if (candidate.effect->info().name == "backlash") seen = norm * norm > threshold ? size : screened.smallest;
         if (!(screened.smallest <= seen)) screened.smallest = seen;
       }
     }
@@ -139,7 +173,8 @@ class Look {
       Eigen::MatrixXd gram = used.transpose() * used;
       gram.diagonal().array() *= 1.0 + 1e-9;
       gram.diagonal().array() += 1e-12;
-      const Eigen::VectorXd alpha = gram.ldlt().solve(used.transpose() * freed_error_);
+      const Eigen::VectorXd alpha = gram.ldlt().solve(used.transpose() * error);
+      gain = 2.0 * alpha.dot(used.transpose() * error) - (used * alpha).squaredNorm();
       column = 0;
       std::optional<std::size_t> out;
       for (const std::size_t k : in) {
@@ -161,8 +196,7 @@ class Look {
   const Study& study_;
   const Fitter& fitter_;
   const Fit& base_;
-  Eigen::MatrixXd white_;
-  Eigen::LDLT<Eigen::MatrixXd> factor_;
+  Projection projection_;
   Eigen::VectorXd predicted_, error_, freed_error_;
 };
 
@@ -177,10 +211,13 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
   std::set<std::string> promising;
   for (std::size_t i = 0; i < candidates.size(); ++i) (candidates[i].refinement ? second : first).push_back(i);
   std::atomic<std::size_t> done = 0;
+  std::vector<double> ripple;  // the best one at the first place
   const auto run = [&](const std::vector<std::size_t>& which) {
     ParallelFor(which.size(), 0, [&](std::size_t k) {
       const std::size_t i = which[k];
-      all[i] = look.At(candidates[i], threshold);
+      Candidate candidate = candidates[i];
+      if (!ripple.empty() && candidate.effect->info().name == "torque_ripple") candidate.starts = {ripple};
+      all[i] = look.At(candidate, threshold);
       all[i].candidate = i;
       ++done;
       if (k % 2 == 0) progress(static_cast<double>(done) / static_cast<double>(candidates.size()));
@@ -192,8 +229,12 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
     const bool friction = name == "coulomb_friction" || name == "viscous_friction" || name == "constant_load" ||
                           name == "quadratic_drag";
     if (friction && base.chi2 - all[i].chi2 > threshold) promising.insert(candidates[i].place.ToString());
+    if (name == "torque_ripple" && base.chi2 - all[i].chi2 > 0.3 * threshold) ripple = all[i].parameters;
   }
-  std::erase_if(second, [&](std::size_t i) { return !promising.contains(candidates[i].place.ToString()); });
+  std::erase_if(second, [&](std::size_t i) {
+    if (candidates[i].effect->info().name == "torque_ripple") return ripple.empty();
+    return !promising.contains(candidates[i].place.ToString());
+  });
   run(second);
   std::vector<Screened> screened;
   for (const std::vector<std::size_t>* which : {&first, &second}) {
