@@ -7,6 +7,7 @@
 
 #include "app/app.h"
 #include "app/measured.h"
+#include "diagnosis/data_check.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/report.h"
 
@@ -40,6 +41,21 @@ int Diagnose(const DiagnoseArguments& arguments) {
       return kUndecided;
     }
   }
+  // A fault of the record would be explained as one of the machine: it stops here.
+  for (const auto* records : {&measured->data, &measured->holdout}) {
+    for (const MappedRecord& record : *records) {
+      const Result<std::vector<diagnosis::Finding>> findings =
+          diagnosis::CheckAgainst(diagnosis::Study(measured->plan, {record}, *registry));
+      if (!findings.ok()) {
+        Complain(findings.failure().ToString() + "\n");
+        return findings.failure().exit_code;
+      }
+      for (const diagnosis::Finding& finding : *findings) {
+        if (finding.fault) diagnostics.Error({record.file}, finding.column + ": " + finding.text, "dynoproof check-data");
+      }
+    }
+  }
+  if (Report(diagnostics) != kGood) return kUsage;
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
   diagnosis::DiagnoseOptions options;

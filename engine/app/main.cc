@@ -6,6 +6,7 @@
 #include <new>
 
 #include "app/app.h"
+#include "app/measured.h"
 #include "experiment/build_info.h"
 
 int main(int argc, char** argv) {
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
   app::AddCoupling(program, exit);
   app::AddReproduce(program, exit);
   app::AddCompare(program, exit);
+  app::AddCheckData(program, exit);
   app::AddDiagnose(program, exit);
   app::AddBench(program, exit);
   app::AddBless(program, exit);

@@ -25,4 +25,8 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
                                          const std::vector<std::string>& overrides, const Registry& registry,
                                          Diagnostics& diagnostics);
 
+/// The commands themselves.
+void AddCheckData(CLI::App& program, int& exit);
+void AddIdentify(CLI::App& program, int& exit);
+
 }  // namespace dynoproof::app

@@ -57,6 +57,14 @@ class Diagnosing {
     SortAgain(fits, null);
     Fit best = fits.empty() ? null : fits.front();
     std::vector<Structure> structure = StructureOf(best);
+    if (!fits.empty() && Above(structure)) {
+      // Before a second effect is called for, the first one gets the time it needs.
+      for (const int order : {0, 0, Whitener::kOrder}) best = Fitter(study_, WhitenerOf(best, order)).Polish(best, 8);
+      const Fitter fitter(study_, WhitenerOf(best));
+      fits.front() = best;
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      structure = StructureOf(best);
+    }
     if (!fits.empty() && Above(structure)) TryPairs(fits, null, best, structure);
     Judge(null, fits, structure);
     if (Status failed = Conclude(null, fits)) return *failed;
@@ -232,7 +240,10 @@ class Diagnosing {
     if (pairs.empty()) return;
     // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
     std::vector<Structure> left = StructureOf(pairs.front());
-    if (Above(left) || base.chi2 - pairs.front().chi2 < threshold_) {
+    const Fitter last(study_, WhitenerOf(pairs.front()));
+    Fit alone = last.Polish(best, 6);
+    last.Weigh(pairs.front());
+    if (Above(left) || alone.criterion - pairs.front().criterion < threshold_) {
       partial_ = "no pair of effects accounts for the rest either";
       return;
     }

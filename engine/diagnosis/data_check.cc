@@ -1,0 +1,223 @@
+#include "diagnosis/data_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "score/fft.h"
+#include "score/series.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
+  const std::vector<double>& t = time.values;
+  if (t.size() < 2) return;
+  std::size_t falls = 0, first_fall = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    if (std::isfinite(t[i]) && std::isfinite(t[i - 1]) && !(t[i] > t[i - 1]) && falls++ == 0) first_fall = i;
+  }
+  if (falls > 0) {
+    findings.push_back({true, "not_rising", time.name,
+                        fmt::format("{} time stamps repeat or fall, the first in row {} ({} after {})", falls, first_fall,
+                                    t[first_fall], t[first_fall - 1]),
+                        falls, t[first_fall]});
+    return;
+  }
+  if (!std::all_of(t.begin(), t.end(), [](double x) { return std::isfinite(x); })) return;
+  const double step = score::MedianStep(t);
+  std::size_t gaps = 0, first_gap = 0, jitters = 0, first_jitter = 0;
+  double missing = 0.0, worst = 0.0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    const double off = t[i] - t[i - 1] - step;
+    if (off > 0.5 * step) {
+      if (gaps++ == 0) first_gap = i;
+      missing += off;
+      // Stamps rounded to their last digit are no jitter: 2 % of a step does no harm to a held input.
+    } else if (std::abs(off) > 0.02 * step) {
+      if (jitters++ == 0) first_jitter = i;
+      worst = std::max(worst, std::abs(off));
+    }
+  }
+  if (gaps > 0)
+    findings.push_back({true, "gap", time.name,
+                        fmt::format("{} gaps, {:.4g} s in all, the first at {:.6g} s (row {})", gaps, missing,
+                                    t[first_gap - 1], first_gap),
+                        gaps, t[first_gap - 1]});
+  if (jitters > 0)
+    findings.push_back({false, "jitter", time.name,
+                        fmt::format("{} steps differ from {:.6g} s by up to {:.1f} %, the first at {:.6g} s", jitters, step,
+                                    100.0 * worst / step, t[first_jitter - 1]),
+                        jitters, t[first_jitter - 1]});
+}
+
+/// Runs of the same extreme value: a converter at its end.
+void CheckClipping(const trace::Column& column, const std::vector<double>* time, std::vector<Finding>& findings) {
+  const std::vector<double>& x = column.values;
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  for (const double level : {*low, *high}) {
+    std::size_t clipped = 0, runs = 0, first = 0;
+    for (std::size_t i = 0; i < x.size();) {
+      std::size_t end = i;
+      while (end < x.size() && x[end] == level) ++end;
+      if (end - i >= 4) {
+        if (runs++ == 0) first = i;
+        clipped += end - i;
+      }
+      i = std::max(end, i + 1);
+    }
+    // Twice the same run at the extreme value: a pulse has one, a converter at its end many.
+    if (runs < 2 || clipped > x.size() / 2) continue;
+    const double at = time != nullptr ? (*time)[first] : 0.0;
+    findings.push_back({false, "clipping", column.name,
+                        fmt::format("{} samples in {} runs stay at {:.6g}, the first in row {}", clipped, runs, level, first),
+                        clipped, at});
+  }
+}
+
+/// Correlation of two signals without their means; 0 where one is constant.
+double Correlation(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const Eigen::VectorXd x = a.array() - a.mean(), y = b.array() - b.mean();
+  const double scale = x.norm() * y.norm();
+  return scale > 0.0 ? x.dot(y) / scale : 0.0;
+}
+
+std::optional<std::string> WrongUnit(double factor) {
+  struct Suspect {
+    double factor;
+    const char* text;
+  };
+  static constexpr std::array<Suspect, 5> kSuspects = {{{1000.0, "a prefix: kilo or milli"},
+                                                        {60.0, "minutes and seconds"},
+                                                        {9.5493, "1/min and rad/s"},
+                                                        {57.2958, "degrees and radians"},
+                                                        {6.2832, "turns and radians (Hz and rad/s)"}}};
+  for (const Suspect& suspect : kSuspects) {
+    for (const double f : {suspect.factor, 1.0 / suspect.factor}) {
+      if (std::abs(std::log(factor / f)) < 0.03) return fmt::format("about {:.4g}: {}?", f, suspect.text);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Finding> CheckRecord(const trace::Record& record) {
+  std::vector<Finding> findings;
+  std::vector<bool> is_time(record.columns.size(), false);
+  for (const trace::Column& column : record.columns) {
+    if (column.time) is_time[*column.time] = true;
+  }
+  if (record.time) is_time[*record.time] = true;
+  for (const trace::NonFinite& bad : record.non_finite) {
+    findings.push_back({true, "not_finite", record.columns[bad.column].name,
+                        fmt::format("{} values are no numbers, the first in row {}", bad.count, bad.first_row), bad.count,
+                        0.0});
+  }
+  for (std::size_t i = 0; i < record.columns.size(); ++i) {
+    const trace::Column& column = record.columns[i];
+    if (column.values.size() < 3) {
+      findings.push_back({true, "short", column.name,
+                          fmt::format("{} samples; a comparison needs hundreds", column.values.size()),
+                          column.values.size(), 0.0});
+      continue;
+    }
+    if (is_time[i]) {
+      CheckTime(column, findings);
+      continue;
+    }
+    if (!std::all_of(column.values.begin(), column.values.end(), [](double x) { return std::isfinite(x); })) continue;
+    const auto [low, high] = std::minmax_element(column.values.begin(), column.values.end());
+    if (*low == *high) {
+      findings.push_back({false, "constant", column.name, fmt::format("is {:.6g} throughout", *low),
+                          column.values.size(), 0.0});
+      continue;
+    }
+    CheckClipping(column, column.time ? &record.columns[*column.time].values : nullptr, findings);
+  }
+  if (!record.time && !record.columns.empty())
+    findings.push_back({false, "no_time", "", "there is no column t or time: a map has to say the rate", 0, 0.0});
+  return findings;
+}
+
+Result<std::vector<Finding>> CheckAgainst(const Study& study) {
+  std::vector<Finding> findings;
+  const Result<Eigen::VectorXd> nominal = study.Predict(study.Nominal());
+  if (!nominal.ok()) return nominal.failure();
+  for (const Channel& channel : study.channels()) {
+    const auto measured = study.measured().segment(channel.begin, channel.count);
+    const auto predicted = nominal->segment(channel.begin, channel.count);
+    if (channel.count < 100) {
+      findings.push_back({true, "short", channel.name,
+                          fmt::format("{} samples are too few to compare with a simulation", channel.count),
+                          static_cast<std::size_t>(channel.count), 0.0});
+      continue;
+    }
+    if (!(channel.spread > 1e-12 * channel.nominal)) {
+      findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
+      continue;
+    }
+    const double simulated_spread =
+        std::sqrt((predicted.array() - predicted.mean()).square().mean());
+    if (!(simulated_spread > 0.0)) continue;
+    const double own = Correlation(measured, predicted);
+    // Swapped: clearly more like another output of the same record than like its own.
+    for (const Channel& other : study.channels()) {
+      if (other.record != channel.record || other.name == channel.name || other.count != channel.count) continue;
+      const double there = std::abs(Correlation(measured, nominal->segment(other.begin, other.count)));
+      if (there > 0.7 && there > std::abs(own) + 0.3)
+        findings.push_back({true, "swapped", channel.name,
+                            fmt::format("is like the simulated {} (correlation {:.2f}), not like its own ({:.2f})", other.name,
+                                        there, own),
+                            0, 0.0});
+    }
+    if (own < -0.7)
+      findings.push_back({true, "sign", channel.name,
+                          fmt::format("moves against the simulation (correlation {:.2f}): sign = -1 in a map?", own), 0,
+                          0.0});
+    const double factor = channel.spread / simulated_spread;
+    if (std::abs(own) > 0.7) {
+      if (const auto unit = WrongUnit(factor))
+        findings.push_back({true, "unit", channel.name,
+                            fmt::format("is {:.4g} times the simulation, {}", factor, *unit), 0, 0.0});
+    }
+    // Delay: the shift at which the two are most alike, if that is clearly not 0.
+    const Eigen::VectorXd x = predicted.array() - predicted.mean(), y = measured.array() - measured.mean();
+    const std::size_t most = static_cast<std::size_t>(std::min<Eigen::Index>(500, channel.count / 4));
+    const std::vector<double> correlation =
+        score::CrossCorrelation({x.data(), static_cast<std::size_t>(x.size())},
+                                {y.data(), static_cast<std::size_t>(y.size())}, most);
+    const auto best = std::max_element(correlation.begin(), correlation.end());
+    const auto shift = (best - correlation.begin()) - static_cast<std::ptrdiff_t>(most);
+    const double gain = *best / std::max(1e-300, x.norm() * y.norm());
+    if (std::abs(shift) >= 2 && gain > 0.8 && gain > own + 0.05)
+      findings.push_back({false, "delay", channel.name,
+                          fmt::format("is most like the simulation {:.4g} s {} (correlation {:.3f} instead of {:.3f})",
+                                      std::abs(static_cast<double>(shift)) * channel.step_s,
+                                      shift > 0 ? "later" : "earlier", gain, own),
+                          0, 0.0});
+  }
+  for (const MappedRecord& record : study.records()) {
+    const Value* inputs = study.plan().root.Find("input");
+    for (const std::string& name : inputs != nullptr ? KeysOf(*inputs) : std::vector<std::string>{}) {
+      const auto found = record.inputs.find(name);
+      if (found == record.inputs.end()) {
+        findings.push_back({true, "missing", name, "the record does not have this input: the run would be driven by "
+                                                   "something else than the measurement", 0, 0.0});
+        continue;
+      }
+      const Value* nominal_value = inputs->Find(name)->Find("nominal");
+      const double nominal_size = nominal_value != nullptr && nominal_value->is_number() ? nominal_value->number() : 0.0;
+      const double peak = score::Largest(*found->second.values);
+      // Against a nominal, only a factor that no experiment explains is suspicious.
+      if (nominal_size > 0.0 && peak > 0.0 && (peak > 100.0 * nominal_size || peak < 0.003 * nominal_size))
+        findings.push_back({false, "unit", name,
+                            fmt::format("reaches {:.4g}, its nominal is {:.4g}: another unit?", peak, nominal_size), 0, 0.0});
+    }
+  }
+  return findings;
+}
+
+}  // namespace dynoproof::diagnosis
