@@ -26,7 +26,9 @@ class Diagnosing {
  public:
   Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
              const DiagnoseOptions& options)
-      : study_(study), short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)), data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
+      : study_(study), short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)),
+        tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data)),
+        data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
 
   Result<Diagnosis> Run() {
     result_.own_holdout = !holdout_.empty();
@@ -48,7 +50,8 @@ class Diagnosing {
     // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
     // hide it. Only as a hypothesis of its own does the nominal model get all the freedom of its doubts.
     const Fit base = null;
-    for (int i = 0; i < 2; ++i) null = Fitter(study_, WhitenerOf(null, 0)).Polish(std::move(null), 3);
+    null = Warm(null);
+    null = Fitter(study_, WhitenerOf(null, 0)).Polish(std::move(null), 3);
 
     candidates_ = CandidatesFor(study_, MagnitudesOf(study_));
     threshold_ = Threshold(whitener.rows(), candidates_.size());
@@ -214,6 +217,11 @@ class Diagnosing {
       for (std::size_t k = 0; k < fits.size(); ++k) {
         if (k >= many || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) continue;
         Step("fitting again: " + fits[k].Name(), 0.5 + 0.06 * round + 0.06 * static_cast<double>(k) / kFullFits);
+        if (round == 0) {
+          fits[k] = Warm(fits[k]);
+          fitter.Weigh(fits[k]);
+          continue;
+        }
         const int before = fits[k].simulations;
         fits[k] = fitter.Polish(std::move(fits[k]), 3);
         simulations_ += std::max(0, fits[k].simulations - before);
@@ -228,6 +236,56 @@ class Diagnosing {
     order();
   }
 
+  /// A second effect that moves a nominal value by no more than its doubt is no effect: the doubts had not found their
+  /// place yet. The first effect alone, with the doubt moved there.
+  std::optional<Fit> FoldBack(const Fit& pair) {
+    constexpr double kWithinDoubt = 3.5;
+    for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
+      const Assumed& moved = pair.hypothesis.effects[e];
+      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+        const Doubt& doubt = study_.doubts()[i];
+        if (doubt.effect != moved.effect->info().name || doubt.at != moved.place.ToString()) continue;
+        const double z = moved.parameters.front() / doubt.spread;
+        if (std::abs(z) > kWithinDoubt) continue;
+        Hypothesis at = pair.hypothesis;
+        at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
+        at.z[i] = z;
+        const Result<DoubtModel> doubts = LineariseDoubts(study_, at, FreedomOf(study_, at.effects));
+        const Result<Eigen::VectorXd> predicted = study_.Predict(at);
+        if (!doubts.ok() || !predicted.ok()) continue;
+        Fit fit;
+        fit.hypothesis = at;
+        fit.doubts = *doubts;
+        fit.predicted = *predicted;
+        for (const int order : {0, Whitener::kOrder}) fit = Fitter(study_, WhitenerOf(fit, order)).Polish(std::move(fit), 5);
+        return fit;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Carries a hypothesis to the full records over shorter ones. A sharp resonance that is off by more than its width
+  /// loses the phase within a second: over a short part the way to its true place is still downhill.
+  Fit Warm(const Fit& cold) {
+    Hypothesis at = cold.hypothesis;
+    for (const Study* study : {&tiny_, &short_, &study_}) {
+      const Result<DoubtModel> doubts = LineariseDoubts(*study, at, FreedomOf(*study, at.effects));
+      const Result<Eigen::VectorXd> predicted = study->Predict(at);
+      if (!doubts.ok() || !predicted.ok()) return cold;
+      Fit fit;
+      fit.hypothesis = at;
+      fit.doubts = *doubts;
+      fit.predicted = *predicted;
+      const Fitter fitter(*study, Whitener(study->channels(), study->measured() - *predicted, 0));
+      fit = fitter.Polish(std::move(fit), 3);
+      simulations_ += fit.simulations;
+      if (!fit.ok()) return cold;
+      if (study == &study_) return fit;
+      at = fit.hypothesis;
+    }
+    return cold;
+  }
+
   void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
     const Fitter fitter(study_, WhitenerOf(best));
     Fit base = best;
@@ -238,6 +296,11 @@ class Diagnosing {
     if (pairs.empty()) return;
     SortAgain(pairs, null);
     if (pairs.empty()) return;
+    if (const std::optional<Fit> alone = FoldBack(pairs.front())) {
+      fits = {*alone};
+      structure = StructureOf(*alone);
+      return;
+    }
     // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
     std::vector<Structure> left = StructureOf(pairs.front());
     const Fitter last(study_, WhitenerOf(pairs.front()));
@@ -483,7 +546,7 @@ class Diagnosing {
   }
 
   const Study& study_;
-  const Study short_;
+  const Study short_, tiny_;
   double short_base_chi2_ = 0.0, short_threshold_ = 0.0;
   const std::vector<MappedRecord>& data_;
   const std::vector<MappedRecord>& holdout_;
