@@ -56,12 +56,18 @@ int CheckData(const CheckArguments& arguments) {
     faults += finding.fault ? 1 : 0;
     text += fmt::format("{:<8}{:<12} {:<14} {}\n", finding.fault ? "fault" : "note", finding.kind, finding.column,
                         finding.text);
-    list.push_back({{"fault", finding.fault}, {"kind", finding.kind}, {"column", finding.column},
-                    {"text", finding.text}, {"count", finding.count}, {"at_s", finding.at_s}});
+    list.push_back({{"fault", finding.fault},
+                    {"kind", finding.kind},
+                    {"column", finding.column},
+                    {"text", finding.text},
+                    {"count", finding.count},
+                    {"at_s", finding.at_s}});
   }
   text += fmt::format("{}: {} columns, {} faults, {} notes{}\n", arguments.data, record->columns.size(), faults,
                       findings.size() - static_cast<std::size_t>(faults),
-                      arguments.scenario.empty() ? "" : compared ? ", compared with the simulation" : ", nothing compared");
+                      arguments.scenario.empty() ? ""
+                      : compared                 ? ", compared with the simulation"
+                                                 : ", nothing compared");
   Print(arguments.common, text);
   const int exit = faults > 0 ? kUsage : !arguments.scenario.empty() && !compared ? kUndecided : kGood;
   const int written = WriteJson(arguments.common, {{"exit", exit}, {"findings", list}});
@@ -75,7 +81,8 @@ void AddCheckData(CLI::App& program, int& exit) {
   CLI::App* command = program.add_subcommand("check-data", "find the faults of a record before it is compared");
   command->add_option("record", arguments->data, "CSV or HDF5 file")->required();
   command->add_option("--map", arguments->map, "which column is which signal (TOML)");
-  command->add_option("--scenario", arguments->scenario, "check units, signs, delays and columns against its simulation");
+  command->add_option("--scenario", arguments->scenario,
+                      "check units, signs, delays and columns against its simulation");
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof check-data record.csv\n"

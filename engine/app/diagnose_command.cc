@@ -29,9 +29,10 @@ int Diagnose(const DiagnoseArguments& arguments) {
                    *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   if (measured->plan.root.Find("prediction_window_s") != nullptr) {
-    Complain(fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
-                         "state (prediction_window_s) is not supported yet; a free run would give a wrong cause\n",
-                         measured->file));
+    Complain(
+        fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
+                    "state (prediction_window_s) is not supported yet; a free run would give a wrong cause\n",
+                    measured->file));
     return kUsage;
   }
   for (const auto* records : {&measured->data, &measured->holdout}) {
@@ -51,7 +52,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
         return findings.failure().exit_code;
       }
       for (const diagnosis::Finding& finding : *findings) {
-        if (finding.fault) diagnostics.Error({record.file}, finding.column + ": " + finding.text, "dynoproof check-data");
+        if (finding.fault)
+          diagnostics.Error({record.file}, finding.column + ": " + finding.text, "dynoproof check-data");
       }
     }
   }
@@ -104,10 +106,11 @@ void AddDiagnose(CLI::App& program, int& exit) {
   command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
-              "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
-              "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -");
+  AddExamples(
+      *command,
+      "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
+      "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
+      "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -");
   command->callback([arguments, &exit] { exit = Diagnose(*arguments); });
 }
 

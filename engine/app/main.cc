@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   app::AddReproduce(program, exit);
   app::AddCompare(program, exit);
   app::AddCheckData(program, exit);
+  app::AddIdentify(program, exit);
   app::AddDiagnose(program, exit);
   app::AddBench(program, exit);
   app::AddBless(program, exit);

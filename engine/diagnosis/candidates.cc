@@ -72,7 +72,8 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
   const double twist = k > 0.0 ? m.torque / k : 1e-3;
   if (name == "viscous_friction") return {{friction / m.speed}};
   if (name == "coulomb_friction") return {{friction}};
-  if (name == "stribeck_friction") return {{friction, 2 * friction, 0.1 * m.speed}, {friction, 2 * friction, 0.5 * m.speed}};
+  if (name == "stribeck_friction")
+    return {{friction, 2 * friction, 0.1 * m.speed}, {friction, 2 * friction, 0.5 * m.speed}};
   if (name == "asymmetric_friction") return {{friction, friction, friction / m.speed, friction / m.speed}};
   if (name == "dahl_friction") {
     Starts starts;
@@ -174,8 +175,7 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
         continue;
       if (place.kind == "input" && !study.records().front().inputs.contains(place.name)) continue;
       Candidate candidate{effect, place, StartsOf(study, magnitudes, *effect, place), StrengthsOf(*effect), false};
-      candidate.refinement =
-          name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction" ||
+      candidate.refinement = name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction" ||
                              (name == "torque_ripple" && rippled);
       rippled = rippled || name == "torque_ripple";
       for (std::vector<double>& start : candidate.starts) {

@@ -11,7 +11,8 @@ namespace dynoproof::diagnosis {
 struct Candidate {
   const Effect* effect = nullptr;
   Place place;
-  /// Points in the effect's parameters; of each, the strengths are sizes to be scaled, the others are tried as they are.
+  /// Points in the effect's parameters; of each, the strengths are sizes to be scaled, the others are tried as they
+  /// are.
   std::vector<std::vector<double>> starts;
   /// Parameters in which the effect is about linear near its neutral value; empty: only a search tells.
   std::vector<std::size_t> strengths;
@@ -24,8 +25,8 @@ struct Candidate {
 
 /// Usual magnitudes of a record.
 struct Magnitudes {
-  double input = 0.0;                    // RMS of the largest input, without inputs of another unit
-  double speed = 1.0, torque = 1.0;      // RMS of the measured outputs of that unit; the inputs' where there is none
+  double input = 0.0;                // RMS of the largest input, without inputs of another unit
+  double speed = 1.0, torque = 1.0;  // RMS of the measured outputs of that unit; the inputs' where there is none
   double duration_s = 1.0;
   std::map<std::string, double> input_rms, input_peak, output_spread;
 };

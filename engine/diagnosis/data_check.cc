@@ -21,8 +21,8 @@ void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
   }
   if (falls > 0) {
     findings.push_back({true, "not_rising", time.name,
-                        fmt::format("{} time stamps repeat or fall, the first in row {} ({} after {})", falls, first_fall,
-                                    t[first_fall], t[first_fall - 1]),
+                        fmt::format("{} time stamps repeat or fall, the first in row {} ({} after {})", falls,
+                                    first_fall, t[first_fall], t[first_fall - 1]),
                         falls, t[first_fall]});
     return;
   }
@@ -48,8 +48,8 @@ void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
                         gaps, t[first_gap - 1]});
   if (jitters > 0)
     findings.push_back({false, "jitter", time.name,
-                        fmt::format("{} steps differ from {:.6g} s by up to {:.1f} %, the first at {:.6g} s", jitters, step,
-                                    100.0 * worst / step, t[first_jitter - 1]),
+                        fmt::format("{} steps differ from {:.6g} s by up to {:.1f} %, the first at {:.6g} s", jitters,
+                                    step, 100.0 * worst / step, t[first_jitter - 1]),
                         jitters, t[first_jitter - 1]});
 }
 
@@ -71,9 +71,10 @@ void CheckClipping(const trace::Column& column, const std::vector<double>* time,
     // Twice the same run at the extreme value: a pulse has one, a converter at its end many.
     if (runs < 2 || clipped > x.size() / 2) continue;
     const double at = time != nullptr ? (*time)[first] : 0.0;
-    findings.push_back({false, "clipping", column.name,
-                        fmt::format("{} samples in {} runs stay at {:.6g}, the first in row {}", clipped, runs, level, first),
-                        clipped, at});
+    findings.push_back(
+        {false, "clipping", column.name,
+         fmt::format("{} samples in {} runs stay at {:.6g}, the first in row {}", clipped, runs, level, first), clipped,
+         at});
   }
 }
 
@@ -113,8 +114,8 @@ std::vector<Finding> CheckRecord(const trace::Record& record) {
   if (record.time) is_time[*record.time] = true;
   for (const trace::NonFinite& bad : record.non_finite) {
     findings.push_back({true, "not_finite", record.columns[bad.column].name,
-                        fmt::format("{} values are no numbers, the first in row {}", bad.count, bad.first_row), bad.count,
-                        0.0});
+                        fmt::format("{} values are no numbers, the first in row {}", bad.count, bad.first_row),
+                        bad.count, 0.0});
   }
   for (std::size_t i = 0; i < record.columns.size(); ++i) {
     const trace::Column& column = record.columns[i];
@@ -131,8 +132,8 @@ std::vector<Finding> CheckRecord(const trace::Record& record) {
     if (!std::all_of(column.values.begin(), column.values.end(), [](double x) { return std::isfinite(x); })) continue;
     const auto [low, high] = std::minmax_element(column.values.begin(), column.values.end());
     if (*low == *high) {
-      findings.push_back({false, "constant", column.name, fmt::format("is {:.6g} throughout", *low),
-                          column.values.size(), 0.0});
+      findings.push_back(
+          {false, "constant", column.name, fmt::format("is {:.6g} throughout", *low), column.values.size(), 0.0});
       continue;
     }
     CheckClipping(column, column.time ? &record.columns[*column.time].values : nullptr, findings);
@@ -159,8 +160,7 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
       findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
       continue;
     }
-    const double simulated_spread =
-        std::sqrt((predicted.array() - predicted.mean()).square().mean());
+    const double simulated_spread = std::sqrt((predicted.array() - predicted.mean()).square().mean());
     if (!(simulated_spread > 0.0)) continue;
     const double own = Correlation(measured, predicted);
     // Swapped: clearly more like another output of the same record than like its own.
@@ -169,8 +169,8 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
       const double there = std::abs(Correlation(measured, nominal->segment(other.begin, other.count)));
       if (there > 0.7 && there > std::abs(own) + 0.3)
         findings.push_back({true, "swapped", channel.name,
-                            fmt::format("is like the simulated {} (correlation {:.2f}), not like its own ({:.2f})", other.name,
-                                        there, own),
+                            fmt::format("is like the simulated {} (correlation {:.2f}), not like its own ({:.2f})",
+                                        other.name, there, own),
                             0, 0.0});
     }
     if (own < -0.7)
@@ -180,15 +180,14 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
     const double factor = channel.spread / simulated_spread;
     if (std::abs(own) > 0.7) {
       if (const auto unit = WrongUnit(factor))
-        findings.push_back({true, "unit", channel.name,
-                            fmt::format("is {:.4g} times the simulation, {}", factor, *unit), 0, 0.0});
+        findings.push_back(
+            {true, "unit", channel.name, fmt::format("is {:.4g} times the simulation, {}", factor, *unit), 0, 0.0});
     }
     // Delay: the shift at which the two are most alike, if that is clearly not 0.
     const Eigen::VectorXd x = predicted.array() - predicted.mean(), y = measured.array() - measured.mean();
     const std::size_t most = static_cast<std::size_t>(std::min<Eigen::Index>(500, channel.count / 4));
-    const std::vector<double> correlation =
-        score::CrossCorrelation({x.data(), static_cast<std::size_t>(x.size())},
-                                {y.data(), static_cast<std::size_t>(y.size())}, most);
+    const std::vector<double> correlation = score::CrossCorrelation(
+        {x.data(), static_cast<std::size_t>(x.size())}, {y.data(), static_cast<std::size_t>(y.size())}, most);
     const auto best = std::max_element(correlation.begin(), correlation.end());
     const auto shift = (best - correlation.begin()) - static_cast<std::ptrdiff_t>(most);
     const double gain = *best / std::max(1e-300, x.norm() * y.norm());
@@ -204,17 +203,21 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
     for (const std::string& name : inputs != nullptr ? KeysOf(*inputs) : std::vector<std::string>{}) {
       const auto found = record.inputs.find(name);
       if (found == record.inputs.end()) {
-        findings.push_back({true, "missing", name, "the record does not have this input: the run would be driven by "
-                                                   "something else than the measurement", 0, 0.0});
+        findings.push_back({true, "missing", name,
+                            "the record does not have this input: the run would be driven by "
+                            "something else than the measurement",
+                            0, 0.0});
         continue;
       }
       const Value* nominal_value = inputs->Find(name)->Find("nominal");
-      const double nominal_size = nominal_value != nullptr && nominal_value->is_number() ? nominal_value->number() : 0.0;
+      const double nominal_size =
+          nominal_value != nullptr && nominal_value->is_number() ? nominal_value->number() : 0.0;
       const double peak = score::Largest(*found->second.values);
       // Against a nominal, only a factor that no experiment explains is suspicious.
       if (nominal_size > 0.0 && peak > 0.0 && (peak > 100.0 * nominal_size || peak < 0.003 * nominal_size))
         findings.push_back({false, "unit", name,
-                            fmt::format("reaches {:.4g}, its nominal is {:.4g}: another unit?", peak, nominal_size), 0, 0.0});
+                            fmt::format("reaches {:.4g}, its nominal is {:.4g}: another unit?", peak, nominal_size), 0,
+                            0.0});
     }
   }
   return findings;

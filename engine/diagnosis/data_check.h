@@ -13,11 +13,12 @@ namespace dynoproof::diagnosis {
 
 struct Finding {
   bool fault = true;  // false: worth knowing, and no reason to stop
-  std::string kind;   // "gap", "jitter", "not_rising", "not_finite", "clipping", "constant", "short", "unit", "sign", ...
+  std::string
+      kind;  // "gap", "jitter", "not_rising", "not_finite", "clipping", "constant", "short", "unit", "sign", ...
   std::string column;
-  std::string text;      // one sentence with place and figures
+  std::string text;  // one sentence with place and figures
   std::size_t count = 0;
-  double at_s = 0.0;     // the first place
+  double at_s = 0.0;  // the first place
 };
 
 /// The record alone, column by column, as it stands in the file. A column of zeros is no fault where it is an input.

@@ -91,8 +91,8 @@ Standing Compare(const Study& study, const Fit& nominal, const std::vector<doubl
   }
   const bool valid = farthest > kFar ? standing.validation_gain > -0.5 * threshold
                                      : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
-  standing.significant = standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold &&
-                         standing.p_value < 1e-4 && valid;
+  standing.significant =
+      standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold && standing.p_value < 1e-4 && valid;
   return standing;
 }
 

@@ -11,9 +11,9 @@ namespace dynoproof::diagnosis {
 /// What a fit gains over the nominal hypothesis.
 struct Standing {
   double chi2_gain = 0.0, criterion_gain = 0.0;
-  double p_value = 1.0;           // nested F test, times the number of candidates
-  double validation_gain = 0.0;   // of the whitened squares on blocks that took no part in the fit
-  int blocks_better = 0;          // of kBlocks
+  double p_value = 1.0;          // nested F test, times the number of candidates
+  double validation_gain = 0.0;  // of the whitened squares on blocks that took no part in the fit
+  int blocks_better = 0;         // of kBlocks
   double validation_chi2 = 0.0;
   bool significant = false;
 };

@@ -20,15 +20,21 @@ constexpr double kTrainingShare = 0.7;
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
 constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
+constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
+constexpr double kBeaten = 2.0;           // times the best one's chi2, when it has found its place: no rival any more
 constexpr double kHopeless = 6.0;         // times the best one's chi2, when nothing has been linearised anew yet
 
 class Diagnosing {
  public:
   Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
              const DiagnoseOptions& options)
-      : study_(study), short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)),
+      : study_(study),
+        short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)),
         tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data)),
-        data_(data), holdout_(holdout), options_(options), saved_(options.out, options.resume, study) {}
+        data_(data),
+        holdout_(holdout),
+        options_(options),
+        saved_(options.out, options.resume, study) {}
 
   Result<Diagnosis> Run() {
     result_.own_holdout = !holdout_.empty();
@@ -142,8 +148,7 @@ class Diagnosing {
       if (effect == nullptr || !place) continue;
       const EffectParameter& delta = effect->info().parameters.front();
       Hypothesis at = null.hypothesis;
-      at.effects.push_back(
-          {effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
+      at.effects.push_back({effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
       at.z[i] = 0.0;
       const Result<DoubtModel> doubts = LineariseDoubts(study_, at, FreedomOf(study_, at.effects));
       if (!doubts.ok()) continue;
@@ -189,12 +194,12 @@ class Diagnosing {
       // Another set of doubts: they are linearised about the effect itself.
       const Result<DoubtModel> doubts = LineariseDoubts(study_, at, freedom);
       if (!doubts.ok()) return fitter.Evaluate(effects, base.doubts);
-      Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 12);
+      Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 8);
       fit.simulations += static_cast<int>(doubts->free.size()) + 1;
       saved_.Keep(fit.hypothesis.effects);
       return fit;
     }
-    Fit fit = fitter.Optimise(effects, base.doubts, known ? 2 : 12);
+    Fit fit = fitter.Optimise(effects, base.doubts, known ? 2 : 8);
     if (fit.ok()) saved_.Keep(fit.hypothesis.effects);
     return fit;
   }
@@ -213,9 +218,9 @@ class Diagnosing {
       const Fitter fitter(study_, WhitenerOf(fits.front(), round < 2 ? 0 : Whitener::kOrder));
       for (Fit& fit : fits) fitter.Weigh(fit);
       order();
-      const std::size_t many = round == 0 ? kPolished + 1 : kPolished;
+      const std::size_t many = round == 0 ? kWarmed : kPolished;
       for (std::size_t k = 0; k < fits.size(); ++k) {
-        if (k >= many || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) continue;
+        if (k >= many || (k > 0 && fits[k].chi2 > (round == 0 ? kHopeless : kBeaten) * fits.front().chi2)) continue;
         Step("fitting again: " + fits[k].Name(), 0.5 + 0.06 * round + 0.06 * static_cast<double>(k) / kFullFits);
         if (round == 0) {
           fits[k] = Warm(fits[k]);
@@ -223,7 +228,7 @@ class Diagnosing {
           continue;
         }
         const int before = fits[k].simulations;
-        fits[k] = fitter.Polish(std::move(fits[k]), 3);
+        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 2);
         simulations_ += std::max(0, fits[k].simulations - before);
       }
       std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
@@ -257,7 +262,8 @@ class Diagnosing {
         fit.hypothesis = at;
         fit.doubts = *doubts;
         fit.predicted = *predicted;
-        for (const int order : {0, Whitener::kOrder}) fit = Fitter(study_, WhitenerOf(fit, order)).Polish(std::move(fit), 5);
+        for (const int order : {0, Whitener::kOrder})
+          fit = Fitter(study_, WhitenerOf(fit, order)).Polish(std::move(fit), 5);
         return fit;
       }
     }
@@ -277,7 +283,7 @@ class Diagnosing {
       fit.doubts = *doubts;
       fit.predicted = *predicted;
       const Fitter fitter(*study, Whitener(study->channels(), study->measured() - *predicted, 0));
-      fit = fitter.Polish(std::move(fit), 3);
+      fit = fitter.Polish(std::move(fit), 2);
       simulations_ += fit.simulations;
       if (!fit.ok()) return cold;
       if (study == &study_) return fit;
@@ -342,7 +348,8 @@ class Diagnosing {
     const bool rest = Above(structure);
     for (std::size_t c = 0; c < structure.size(); ++c)
       result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
-    result_.white = std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
+    result_.white =
+        std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
     result_.at_noise_floor = !rest;
     if (fits.empty()) {
       result_.verdict = rest ? Verdict::kUnexplained : Verdict::kNoEffect;
@@ -396,8 +403,8 @@ class Diagnosing {
     for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
       if (best.hypothesis.z[i] == 0.0) continue;
       const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
-      result_.refitted.push_back({study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i],
-                                  study_.doubts()[i].start});
+      result_.refitted.push_back(
+          {study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_.doubts()[i].start});
     }
     if (known) ReportEffects(fits);
     if (Status failed = MeasureGain(best)) return failed;
@@ -568,10 +575,14 @@ class Diagnosing {
 
 std::string ToString(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kEffectFound: return "effect_found";
-    case Verdict::kNoEffect: return "no_effect";
-    case Verdict::kAmbiguous: return "ambiguous";
-    case Verdict::kUnexplained: break;
+    case Verdict::kEffectFound:
+      return "effect_found";
+    case Verdict::kNoEffect:
+      return "no_effect";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kUnexplained:
+      break;
   }
   return "unexplained";
 }

@@ -46,8 +46,8 @@ std::vector<Doubt> DoubtsOf(const Plan& plan) {
       // A damping that is nominally 0 is a simplification, which a hypothesis of another structure may not inherit. The
       // spread: 1 % of critical damping for a mass of 0.1 kg m^2 behind the shaft.
       if (IsNumber(stiffness) && damping != nullptr && damping->is_number() && damping->number() == 0.0) {
-        doubts.push_back({path + "damping_Nms_per_rad", false, 0.002 * std::sqrt(0.1 * stiffness->number()), false, "",
-                          "", true});
+        doubts.push_back(
+            {path + "damping_Nms_per_rad", false, 0.002 * std::sqrt(0.1 * stiffness->number()), false, "", "", true});
       }
       if (std::string_view(kind) == "shaft" && IsNumber(stiffness))
         doubts.push_back({path + "initial_twist_rad", false, torque / stiffness->number(), true, "", "", false});

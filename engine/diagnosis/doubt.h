@@ -14,10 +14,10 @@ namespace dynoproof::diagnosis {
 
 /// One doubtful number of a plan: value = nominal (1 + spread z), or nominal + spread z, with z standard normal.
 struct Doubt {
-  std::string path;     // "plant.inertia.I5"
+  std::string path;  // "plant.inertia.I5"
   bool relative = true;
-  double spread = 0.0;  // of the value over its nominal, or in its own unit
-  bool start = false;   // belongs to the record, not to the model
+  double spread = 0.0;     // of the value over its nominal, or in its own unit
+  bool start = false;      // belongs to the record, not to the model
   std::string effect, at;  // the effect and place that change the same number; empty: none
   bool only_wide = false;  // free only where a hypothesis changes the structure
 };

@@ -110,7 +110,8 @@ Result<std::string> WriteSeparating(const Study& study, const std::vector<Assume
     text += fmt::format(
         "\n[input.{}.source]\ntype = \"sum\"\nsources = [\n"
         "  {{ type = \"multisine\", rms = {}, low_Hz = 1.0, high_Hz = {}, lines = 400, seed = {} }},\n"
-        "  {{ type = \"sine_sum\", amplitudes = [{}, {}], frequencies_Hz = [0.1, 0.7], phases_rad = [0.0, 0.0] }},\n]\n",
+        "  {{ type = \"sine_sum\", amplitudes = [{}, {}], frequencies_Hz = [0.1, 0.7], phases_rad = [0.0, 0.0] "
+        "}},\n]\n",
         name, Number(0.25 * peak), Number(0.2 / step), seed++, Number(0.8 * peak), Number(0.2 * peak));
   }
   return Write(options, "separate.toml", text);

@@ -77,8 +77,8 @@ class Coordinates {
   std::vector<Axis> axes_;
 };
 
-// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines; a step of 1e-4 of a parameter's
-// own size stands far above that, and is small beside the width of a sharp resonance.
+// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines; a step of 1e-4 of a
+// parameter's own size stands far above that, and is small beside the width of a sharp resonance.
 constexpr double kStep = 1e-4;
 
 class FreeRunCost : public ceres::CostFunction {
@@ -387,7 +387,8 @@ void Fitter::Derive(Fit& fit) const {
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const Eigen::VectorXd inverse = eigen.eigenvalues().array().max(1e-14).inverse();
-  fit.covariance = scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+  fit.covariance = scale.asDiagonal() *
+                   (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
                    scale.asDiagonal();
 }
 

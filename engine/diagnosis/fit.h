@@ -15,10 +15,10 @@ namespace dynoproof::diagnosis {
 
 /// How the doubts of a study enter: linearised about a point. Columns of fixed doubts are left out.
 struct DoubtModel {
-  std::vector<double> z0;        // where
-  std::vector<double> freedom;   // by doubt: prior standard deviation in units of its spread; 0: fixed
-  std::vector<int> free;         // the doubts with a column
-  Eigen::MatrixXd jacobian;      // d predicted / d z
+  std::vector<double> z0;       // where
+  std::vector<double> freedom;  // by doubt: prior standard deviation in units of its spread; 0: fixed
+  std::vector<int> free;        // the doubts with a column
+  Eigen::MatrixXd jacobian;     // d predicted / d z
 };
 /// Forward differences about `at`, one simulation a free doubt.
 Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom);
@@ -54,7 +54,7 @@ struct Fit {
   double chi2 = 0.0;          // whitened squares, and the doubts' prior
   double criterion = 0.0;     // -2 log evidence: chi2 + log det of the doubts + p log n
   int simulations = 0;
-  std::string broken;         // why there is no fit
+  std::string broken;  // why there is no fit
   /// By parameter of all effects in order, then by free doubt: whitened Jacobian at the optimum. Filled by Derive().
   Eigen::MatrixXd jacobian;
   Eigen::MatrixXd covariance;

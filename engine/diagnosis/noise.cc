@@ -168,7 +168,8 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
       const Eigen::VectorXd scale = gram.diagonal().array().max(1e-300).rsqrt();
       gram = scale.asDiagonal() * gram * scale.asDiagonal();
       gram.diagonal().array() += 1e-9;  // collinear features (an input never negative and its magnitude)
-      const Eigen::VectorXd solution = scale.asDiagonal() * gram.ldlt().solve(scale.asDiagonal() * (x.transpose() * target));
+      const Eigen::VectorXd solution =
+          scale.asDiagonal() * gram.ldlt().solve(scale.asDiagonal() * (x.transpose() * target));
       return target - x * solution;
     };
     const Eigen::VectorXd alone = solve(past);

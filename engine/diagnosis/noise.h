@@ -24,8 +24,9 @@ class Whitener {
  public:
   static constexpr int kOrder = 30;  // resonances of a drive line below 2 kHz at 10 kHz: some ten pole pairs
 
-  /// Fits to the residual of the best model so far; `order` 0: white. `least`: smallest sigma over the channel's spread; what a simulation
-  /// is good for, so that synthetic records without noise do not ask for more digits than there are.
+  /// Fits to the residual of the best model so far; `order` 0: white. `least`: smallest sigma over the channel's
+  /// spread; what a simulation is good for, so that synthetic records without noise do not ask for more digits than
+  /// there are.
   Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order = kOrder,
            double least = 1e-6);
 
@@ -46,11 +47,11 @@ double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual);
 
 /// What is not noise in the residual of one channel.
 struct Structure {
-  double explained = 0.0;  // share of the whitened variance that functions of inputs and outputs predict
-  double p_value = 1.0;    // of that share (F test), corrected for the number of features
+  double explained = 0.0;     // share of the whitened variance that functions of inputs and outputs predict
+  double p_value = 1.0;       // of that share (F test), corrected for the number of features
   double line_p_value = 1.0;  // of the highest line of the whitened spectrum (Fisher's g test)
   double line_hz = 0.0;
-  double line_share = 0.0;  // of the whitened variance
+  double line_share = 0.0;     // of the whitened variance
   double white_p_value = 1.0;  // Ljung-Box on the whitened residual
 
   /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.

@@ -65,19 +65,15 @@ json ToJson(const Diagnosis& d) {
     json parameters = json::object();
     for (const FoundParameter& p : effect.parameters)
       parameters[p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", {p.lower, p.upper}}};
-    out["effects"].push_back({{"name", effect.name},
-                              {"at", effect.at},
-                              {"confidence", effect.confidence},
-                              {"parameters", parameters}});
+    out["effects"].push_back(
+        {{"name", effect.name}, {"at", effect.at}, {"confidence", effect.confidence}, {"parameters", parameters}});
   }
   for (const Seen& seen : d.would_have_seen)
     out["would_have_seen"].push_back(
         {{"name", seen.name}, {"at", seen.at}, {"smallest", seen.smallest}, {"unit", seen.unit}});
   for (const Considered& one : d.considered)
-    out["considered"].push_back({{"name", one.name},
-                                 {"at", one.at},
-                                 {"validation_nrmse", one.validation_nrmse},
-                                 {"why_not", one.why_not}});
+    out["considered"].push_back(
+        {{"name", one.name}, {"at", one.at}, {"validation_nrmse", one.validation_nrmse}, {"why_not", one.why_not}});
   for (const Refitted& one : d.refitted)
     out["refitted"].push_back({{"key", one.path},
                                {"nominal", one.nominal},
@@ -92,11 +88,12 @@ std::string ToTable(const Diagnosis& d) {
   for (const FoundEffect& effect : d.effects) {
     text += fmt::format("\n  {} at {}  (confidence {:.3f})\n", effect.name, effect.at, effect.confidence);
     for (const FoundParameter& p : effect.parameters)
-      text += fmt::format("    {:<14}{:>14.6g} {:<14} 95 %: {:.6g} ... {:.6g}\n", p.name, p.value, p.unit, p.lower, p.upper);
+      text += fmt::format("    {:<14}{:>14.6g} {:<14} 95 %: {:.6g} ... {:.6g}\n", p.name, p.value, p.unit, p.lower,
+                          p.upper);
   }
   for (const auto& set : d.ambiguous_with)
-    text += fmt::format("\n  cannot be told apart: {}\n  to tell them: {}\n  {}\n", fmt::join(set, ", "), d.experiment_text,
-                        d.experiment_scenario);
+    text += fmt::format("\n  cannot be told apart: {}\n  to tell them: {}\n  {}\n", fmt::join(set, ", "),
+                        d.experiment_text, d.experiment_scenario);
   text += fmt::format("\n  wrong in {}", d.where.signal);
   if (!d.where.when_s.empty()) text += ", " + Joined(d.where.when_s, "s");
   if (!d.where.frequency_hz.empty()) text += ", " + Joined(d.where.frequency_hz, "Hz");

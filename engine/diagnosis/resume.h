@@ -1,5 +1,5 @@
-// What a stopped diagnosis had reached: the screening's start points and the optima, in OUT/diagnose_state.json. They are
-// starting points only; every figure of a result is computed anew.
+// What a stopped diagnosis had reached: the screening's start points and the optima, in OUT/diagnose_state.json. They
+// are starting points only; every figure of a result is computed anew.
 #pragma once
 
 #include <string>

@@ -29,8 +29,8 @@ class Look {
     best.smallest = std::numeric_limits<double>::quiet_NaN();
     // The candidate's own doubt must not compete with it.
     const std::optional<DoubtModel> fewer = Without(candidate);
-    const std::optional<Projection> own = fewer ? std::optional<Projection>(Projection(*fewer, fitter_.whitener()))
-                                                : std::nullopt;
+    const std::optional<Projection> own =
+        fewer ? std::optional<Projection>(Projection(*fewer, fitter_.whitener())) : std::nullopt;
     const DoubtModel& doubts = fewer ? *fewer : base_.doubts;
     const Projection& projection = own ? *own : projection_;
     const auto take = [&](const Fit& fit) {
@@ -69,8 +69,10 @@ class Look {
         take(evaluate(*scaled));
         if (*scaled == from) break;
         from = *scaled;
-        if (std::abs(from[candidate.strengths[0]] - candidate.effect->info().parameters[candidate.strengths[0]].neutral) <
-            1e-9 * std::abs(start[candidate.strengths[0]] - candidate.effect->info().parameters[candidate.strengths[0]].neutral))
+        if (std::abs(from[candidate.strengths[0]] -
+                     candidate.effect->info().parameters[candidate.strengths[0]].neutral) <
+            1e-9 * std::abs(start[candidate.strengths[0]] -
+                            candidate.effect->info().parameters[candidate.strengths[0]].neutral))
           break;
       }
     }
@@ -226,8 +228,8 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
   run(first);
   for (const std::size_t i : first) {
     const std::string& name = candidates[i].effect->info().name;
-    const bool friction = name == "coulomb_friction" || name == "viscous_friction" || name == "constant_load" ||
-                          name == "quadratic_drag";
+    const bool friction =
+        name == "coulomb_friction" || name == "viscous_friction" || name == "constant_load" || name == "quadratic_drag";
     if (friction && base.chi2 - all[i].chi2 > threshold) promising.insert(candidates[i].place.ToString());
     if (name == "torque_ripple" && base.chi2 - all[i].chi2 > 0.3 * threshold) ripple = all[i].parameters;
   }

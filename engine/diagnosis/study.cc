@@ -89,7 +89,9 @@ Result<Eigen::VectorXd> Study::PredictPlan(const Plan& plan) const {
     const std::unique_ptr<Prepared> prepared = Prepare(plan, options, *registry_, diagnostics);
     if (prepared == nullptr) {
       return Failure{diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message,
-                     plan.id, {}, 2};
+                     plan.id,
+                     {},
+                     2};
     }
     const Rig& rig = *prepared->rig;
     const Result<std::unique_ptr<Solver>> solver = MakeSolver("realtime", rig);

@@ -35,7 +35,8 @@ std::vector<std::pair<double, double>> Times(const Eigen::VectorXd& residual, co
     const Eigen::Index begin = channel.count * static_cast<Eigen::Index>(i) / static_cast<Eigen::Index>(kWindows);
     const Eigen::Index end = channel.count * static_cast<Eigen::Index>(i + 1) / static_cast<Eigen::Index>(kWindows);
     if (end <= begin) continue;
-    bad[i] = std::sqrt(residual.segment(begin, end - begin).squaredNorm() / static_cast<double>(end - begin)) > 2 * floor;
+    bad[i] =
+        std::sqrt(residual.segment(begin, end - begin).squaredNorm() / static_cast<double>(end - begin)) > 2 * floor;
   }
   return Spans(bad, edges);
 }

@@ -1,7 +1,8 @@
 // The blind suite: draws an effect, its place, strength, noise, excitation and slightly wrong nominal values at random,
 // writes what a logger would have written, has the program diagnose the file, and opens the truth only then.
 //
-//   blind_suite PROGRAM --cases 40 --seed 1 [--scenario ID]... [--kind effect|null|decoy|unknown] [--out DIR] [--json FILE]
+//   blind_suite PROGRAM --cases 40 --seed 1 [--scenario ID]... [--kind effect|null|decoy|unknown] [--out DIR] [--json
+//   FILE]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -61,7 +62,8 @@ std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const P
     const Value* value = plan.root.FindPath(path);
     return value != nullptr && value->is_number() ? value->number() : otherwise;
   };
-  const double torque = number("plant.nominal_torque_Nm", 1000.0), k = number("plant.shaft." + place.name + ".stiffness_Nm_per_rad", 1e6);
+  const double torque = number("plant.nominal_torque_Nm", 1000.0),
+               k = number("plant.shaft." + place.name + ".stiffness_Nm_per_rad", 1e6);
   const double inertia = place.kind == "rotor" ? number("plant.rotor." + place.name + ".inertia_kg_m2", 10.0)
                                                : number("plant.inertia." + place.name, 1.0);
   const double speed = torque > 2000.0 ? 1.0 : 5.0, twist = 0.5 * torque / k;
@@ -69,11 +71,13 @@ std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const P
   if (name == "viscous_friction") return {0.05 * torque / speed * u};
   if (name == "coulomb_friction") return {0.06 * torque * u};
   if (name == "stribeck_friction") return {0.05 * torque * u, 0.12 * torque * u, 0.2 * speed};
-  if (name == "asymmetric_friction") return {0.07 * torque * u, 0.03 * torque * u, 0.02 * torque / speed, 0.005 * torque / speed};
+  if (name == "asymmetric_friction")
+    return {0.07 * torque * u, 0.03 * torque * u, 0.02 * torque / speed, 0.005 * torque / speed};
   if (name == "dahl_friction") return {0.06 * torque * u, 0.06 * torque * u / 0.01};
   if (name == "constant_load") return {0.05 * torque * u * dice.Sign()};
   if (name == "quadratic_drag") return {0.03 * torque / speed / speed * u};
-  if (name == "torque_ripple") return {0.05 * torque * u, std::vector<double>{1, 2, 4, 6, 12, 24}[dice.Index(6)], dice.Uniform(-3, 3)};
+  if (name == "torque_ripple")
+    return {0.05 * torque * u, std::vector<double>{1, 2, 4, 6, 12, 24}[dice.Index(6)], dice.Uniform(-3, 3)};
   if (name == "inertia_change") return {0.25 * u * (dice.Uniform(0, 1) < 0.3 ? -1.0 : 1.0)};
   if (name == "stiffness_change") return {0.2 * u * dice.Sign()};
   if (name == "damping_change") return {2.0 * u};
@@ -153,7 +157,8 @@ void Excite(Plan& plan, Dice& dice, double duration_s) {
 void Detune(Plan& plan, Dice& dice, double spread) {
   const auto each = [&](const std::string& path, double size) {
     Value* value = plan.root.FindPath(path);
-    if (value != nullptr && value->is_number()) *value = Value(value->number() * (1.0 + size * dice.Uniform(-1.0, 1.0)));
+    if (value != nullptr && value->is_number())
+      *value = Value(value->number() * (1.0 + size * dice.Uniform(-1.0, 1.0)));
   };
   for (const char* section : {"inertia", "rotor", "shaft"}) {
     const Value* table = plan.root.FindPath(std::string("plant.") + section);
@@ -280,7 +285,8 @@ std::string Judged(const Case& hidden, const json& result) {
   const std::string truth = hidden.effect + "@" + hidden.at;
   if (verdict == "broken") return "broken";
   if (hidden.kind == "unknown") return verdict == "effect_found" || verdict == "no_effect" ? "wrong" : "abstained";
-  if (hidden.kind != "effect") return verdict == "no_effect" ? "right" : verdict == "unexplained" ? "abstained" : "false alarm";
+  if (hidden.kind != "effect")
+    return verdict == "no_effect" ? "right" : verdict == "unexplained" ? "abstained" : "false alarm";
   if (verdict == "effect_found") {
     const json& effects = result["effects"];
     const bool same = effects.size() == 1 && effects[0]["name"] == hidden.effect && effects[0]["at"] == hidden.at;
@@ -322,11 +328,16 @@ int Run(const Suite& suite) {
   json all = json::array();
   double seconds = 0.0;
   int effects = 0, wrong = 0, others = 0, alarms = 0, done = 0;
-  for (std::uint64_t number = 0; done < suite.cases && number < 20ULL * static_cast<std::uint64_t>(suite.cases); ++number) {
+  for (std::uint64_t number = 0; done < suite.cases && number < 20ULL * static_cast<std::uint64_t>(suite.cases);
+       ++number) {
     Dice dice(suite.seed, number);
     Case hidden;
     const double draw = dice.Uniform(0.0, 1.0);
-    hidden.kind = !suite.kind.empty() ? suite.kind : draw < 0.5 ? "effect" : draw < 0.7 ? "null" : draw < 0.9 ? "decoy" : "unknown";
+    hidden.kind = !suite.kind.empty() ? suite.kind
+                  : draw < 0.5        ? "effect"
+                  : draw < 0.7        ? "null"
+                  : draw < 0.9        ? "decoy"
+                                      : "unknown";
     hidden.scenario = suite.scenarios[dice.Index(suite.scenarios.size())];
     hidden.noise = std::pow(10.0, dice.Uniform(-2.7, -1.7));
     const bool independent = hidden.scenario == "diagnose/heavy_duty_lumped" && suite.only.empty() &&
@@ -336,7 +347,8 @@ int Run(const Suite& suite) {
     Columns columns;
     try {
       if (independent) {
-        columns = FromIndependentLine(hidden, dice, suite.duration_s, hidden.kind == "effect", hidden.kind == "unknown");
+        columns =
+            FromIndependentLine(hidden, dice, suite.duration_s, hidden.kind == "effect", hidden.kind == "unknown");
         hidden.size = 10.0;
       } else {
         Diagnostics diagnostics;
@@ -385,8 +397,9 @@ int Run(const Suite& suite) {
     fs::create_directories(folder);
     Write(folder / "record.csv", columns);
     const auto begin = std::chrono::steady_clock::now();
-    const std::string command = fmt::format("{} diagnose {} --data {}/record.csv --out {} --json {}/result.json >{}/table.txt 2>{}/err.txt",
-                                            suite.program, hidden.scenario, folder.string(), folder.string(), folder.string(), folder.string(), folder.string());
+    const std::string command = fmt::format(
+        "{} diagnose {} --data {}/record.csv --out {} --json {}/result.json >{}/table.txt 2>{}/err.txt", suite.program,
+        hidden.scenario, folder.string(), folder.string(), folder.string(), folder.string(), folder.string());
     const int code = std::system(command.c_str());
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     json result;
@@ -419,22 +432,34 @@ int Run(const Suite& suite) {
                              hidden.generator, hidden.scenario, hidden.effect.empty() ? hidden.kind : hidden.effect,
                              hidden.at, hidden.size, outcome, result.value("verdict", "broken"), found, took)
               << std::flush;
-    all.push_back({{"number", number}, {"kind", hidden.kind}, {"scenario", hidden.scenario}, {"effect", hidden.effect},
-                   {"at", hidden.at}, {"parameters", hidden.parameters}, {"noise", hidden.noise}, {"size", hidden.size},
-                   {"outcome", outcome}, {"verdict", result.value("verdict", "broken")}, {"found", found}, {"seconds", took}});
+    all.push_back({{"number", number},
+                   {"kind", hidden.kind},
+                   {"scenario", hidden.scenario},
+                   {"effect", hidden.effect},
+                   {"at", hidden.at},
+                   {"parameters", hidden.parameters},
+                   {"noise", hidden.noise},
+                   {"size", hidden.size},
+                   {"outcome", outcome},
+                   {"verdict", result.value("verdict", "broken")},
+                   {"found", found},
+                   {"seconds", took}});
     if (outcome == "right") fs::remove_all(folder);
   }
-  std::cout << "\n" << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   inside 95 %\n", "truth", "right", "in the set",
-                                   "abstained", "missed", "wrong", "false alarm", "broken");
+  std::cout << "\n"
+            << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   inside 95 %\n", "truth", "right",
+                           "in the set", "abstained", "missed", "wrong", "false alarm", "broken");
   for (const auto& [row, outcomes] : confusion) {
     const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
-    std::cout << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
-                             count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
-                             covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
+    std::cout << fmt::format(
+        "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
+        count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
+        covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
   }
-  std::cout << fmt::format("\n{} cases, {:.1f} s each; wrong cause {} of {} (95 % upper bound {:.1f} %), false alarms {} of {} ({:.1f} %)\n",
-                           done, seconds / std::max(1, done), wrong, effects, 100.0 * UpperBound(wrong, effects), alarms, others,
-                           100.0 * UpperBound(alarms, others));
+  std::cout << fmt::format(
+      "\n{} cases, {:.1f} s each; wrong cause {} of {} (95 % upper bound {:.1f} %), false alarms {} of {} ({:.1f} %)\n",
+      done, seconds / std::max(1, done), wrong, effects, 100.0 * UpperBound(wrong, effects), alarms, others,
+      100.0 * UpperBound(alarms, others));
   if (!suite.json_file.empty()) std::ofstream(suite.json_file) << all.dump(2) << "\n";
   return wrong + alarms > 0 ? 1 : 0;
 }
@@ -447,15 +472,24 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const auto value = [&] { return ++i < argc ? std::string(argv[i]) : std::string(); };
-    if (word == "--cases") suite.cases = std::stoi(value());
-    else if (word == "--seed") suite.seed = std::stoull(value());
-    else if (word == "--scenario") suite.scenarios.push_back(value());
-    else if (word == "--effect") suite.only.push_back(value());
-    else if (word == "--kind") suite.kind = value();
-    else if (word == "--duration") suite.duration_s = std::stod(value());
-    else if (word == "--out") suite.out = value();
-    else if (word == "--json") suite.json_file = value();
-    else suite.program = word;
+    if (word == "--cases")
+      suite.cases = std::stoi(value());
+    else if (word == "--seed")
+      suite.seed = std::stoull(value());
+    else if (word == "--scenario")
+      suite.scenarios.push_back(value());
+    else if (word == "--effect")
+      suite.only.push_back(value());
+    else if (word == "--kind")
+      suite.kind = value();
+    else if (word == "--duration")
+      suite.duration_s = std::stod(value());
+    else if (word == "--out")
+      suite.out = value();
+    else if (word == "--json")
+      suite.json_file = value();
+    else
+      suite.program = word;
   }
   if (suite.scenarios.empty()) suite.scenarios = {"diagnose/heavy_duty_lumped", "diagnose/r2r_soft"};
   return dynoproof::blind::Run(suite);

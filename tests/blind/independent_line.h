@@ -1,5 +1,5 @@
-// The heavy-duty chain of five inertias once more, from literal numbers and a textbook Runge-Kutta method, without a line
-// of the engine: a sign error cannot hide on both sides. Held torque at 10 kHz on the first inertia.
+// The heavy-duty chain of five inertias once more, from literal numbers and a textbook Runge-Kutta method, without a
+// line of the engine: a sign error cannot hide on both sides. Held torque at 10 kHz on the first inertia.
 #pragma once
 
 #include <array>
@@ -75,7 +75,8 @@ struct IndependentLine {
 };
 
 /// A hundred sines between `low` and `high` Hz with seeded phases, and a slow swing: an excitation of its own.
-inline std::vector<double> IndependentTorque(std::size_t samples, unsigned seed, double rms = 300.0, double swing = 400.0) {
+inline std::vector<double> IndependentTorque(std::size_t samples, unsigned seed, double rms = 300.0,
+                                             double swing = 400.0) {
   std::vector<double> torque(samples);
   unsigned long long state = seed * 2654435761ULL + 12345ULL;
   for (int line = 0; line < 100; ++line) {
@@ -83,9 +84,11 @@ inline std::vector<double> IndependentTorque(std::size_t samples, unsigned seed,
     const double phase = 2.0 * M_PI * static_cast<double>(state >> 11) / 9007199254740992.0;
     const double frequency = 1.3 * std::pow(1700.0 / 1.3, line / 99.0);
     for (std::size_t i = 0; i < samples; ++i)
-      torque[i] += rms * std::sqrt(2.0 / 100.0) * std::sin(2.0 * M_PI * frequency * 1e-4 * static_cast<double>(i) + phase);
+      torque[i] +=
+          rms * std::sqrt(2.0 / 100.0) * std::sin(2.0 * M_PI * frequency * 1e-4 * static_cast<double>(i) + phase);
   }
-  for (std::size_t i = 0; i < samples; ++i) torque[i] += swing * std::sin(2.0 * M_PI * 0.45 * 1e-4 * static_cast<double>(i));
+  for (std::size_t i = 0; i < samples; ++i)
+    torque[i] += swing * std::sin(2.0 * M_PI * 0.45 * 1e-4 * static_cast<double>(i));
   return torque;
 }
 
