@@ -29,4 +29,5 @@ step budgets ./ci/check_budgets.py
 step bench ./build/dynoproof bench --json out/nightly/bench.json
 step robustness ./build/bench/robustness --runs 1050 --jobs "$(nproc)" --worst --json out/nightly/robustness.json
 step robustness-probing ./build/bench/robustness --runs 350 --jobs "$(nproc)" --probe 0.0005 --json out/nightly/robustness_probing.json
+step blind ./build/tests/blind_suite build/dynoproof --cases 150 --seed "$(date +%Y%m%d)" --out out/nightly/blind --json out/nightly/blind.json
 exit $failed

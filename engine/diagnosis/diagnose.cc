@@ -236,7 +236,15 @@ class Diagnosing {
       order();
     }
     const Fitter fitter(study_, WhitenerOf(fits.front()));
-    null = fitter.Polish(std::move(null), 4);
+    // The nominal model gets every chance: also from where the doubts stand beside the best effect.
+    Fit other = null;
+    other.hypothesis.z = fits.front().hypothesis.z;
+    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      if (const std::optional<double> z = AsDoubt(fits.front(), i)) other.hypothesis.z[i] = *z;
+    }
+    null = fitter.Polish(std::move(null), 3);
+    other = fitter.Polish(std::move(other), 4);
+    if (other.ok() && other.chi2 < null.chi2) null = std::move(other);
     for (Fit& fit : fits) fitter.Weigh(fit);
     order();
   }
@@ -292,6 +300,16 @@ class Diagnosing {
     return cold;
   }
 
+  /// An effect of the fit that moves this doubt's own number, in spreads of the doubt.
+  std::optional<double> AsDoubt(const Fit& fit, std::size_t doubt) const {
+    const Doubt& one = study_.doubts()[doubt];
+    for (const Assumed& assumed : fit.hypothesis.effects) {
+      if (one.effect == assumed.effect->info().name && one.at == assumed.place.ToString())
+        return assumed.parameters.front() / one.spread;
+    }
+    return std::nullopt;
+  }
+
   void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
     const Fitter fitter(study_, WhitenerOf(best));
     Fit base = best;
@@ -342,7 +360,13 @@ class Diagnosing {
         considered.name = fit.hypothesis.effects.front().ToString() + " + " + considered.name;
       considered.validation_nrmse = TotalNrmse(fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
       considered.why_not = WhyNot(s, fit, fits.front());
-      if (s.significant) standing.push_back(fit);
+      bool within = false;  // a change no larger than the doubt about its number is none
+      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+        const std::optional<double> z = AsDoubt(fit, i);
+        within = within || (z && std::abs(*z) < 3.5);
+      }
+      if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
+      if (s.significant && !within) standing.push_back(fit);
     }
     fits = std::move(standing);
     const bool rest = Above(structure);
