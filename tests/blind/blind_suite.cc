@@ -32,7 +32,8 @@ namespace fs = std::filesystem;
 /// Numbers of one case, in the order they are asked for.
 class Dice {
  public:
-  Dice(std::uint64_t seed, std::uint64_t number) : seed_(seed), number_(number) {}
+  // Neighbouring seeds must not share cases: the hash adds seed and number.
+  Dice(std::uint64_t seed, std::uint64_t number) : seed_(seed * 1000003), number_(number) {}
   double Uniform(double low, double high) { return low + (high - low) * RandomUniform(seed_, number_, next_++); }
   double Sign() { return Uniform(0, 1) < 0.5 ? -1.0 : 1.0; }
   double Normal() { return RandomNormal(seed_, number_, 1000000 + next_++); }
