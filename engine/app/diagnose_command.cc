@@ -28,6 +28,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, arguments.holdout, arguments.overrides,
                    *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
+  Complain("note: diagnose is under construction; how far its verdicts can be trusted: engine/diagnosis/README.md\n");
   if (measured->plan.root.Find("prediction_window_s") != nullptr) {
     Complain(
         fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
