@@ -17,8 +17,7 @@ struct GoldenTolerances {
   struct OfSignal {
     double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
     double time_half_width_s = 0.0;
-    std::string origin =
-        "round-off of an exact solver; the rest is room for other vector instructions and compilers";
+    std::string origin = "round-off of an exact solver; the rest is room for other vector instructions and compilers";
     void Visit(auto& v) {
       v.Required("relative_width", relative_width, Positive("1"), "half-width over the nominal");
       v.Optional("time_half_width_s", time_half_width_s, NonNegative(), "how much earlier or later");
