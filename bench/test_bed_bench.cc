@@ -57,8 +57,8 @@ void TestBed(benchmark::State& state, std::vector<std::string> overrides) {
 }
 
 BENCHMARK_CAPTURE(TestBed, as_shipped, {})->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(TestBed, one_substep, {"run.realtime.substeps=1"})->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(TestBed, four_substeps, {"run.realtime.substeps=4"})->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TestBed, one_correction, {"run.realtime.corrections=1"})->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TestBed, two_substeps, {"run.realtime.substeps=2"})->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(TestBed, parts_in_every_sweep, {"run.realtime.part_corrections=0"})->Unit(benchmark::kMillisecond);
 
 }  // namespace

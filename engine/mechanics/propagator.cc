@@ -169,7 +169,7 @@ class Arena {
 
 RowSet PlaceRows(Arena& arena, const MatrixXd& rows, const MatrixXd& direct, const std::vector<Range>& ranges) {
   return {arena.Rows(rows),
-          arena.Rows(direct),
+          (direct.array() == 0.0).all() ? nullptr : arena.Rows(direct),
           ranges.data(),
           static_cast<int>(rows.rows()),
           static_cast<int>(rows.cols()),
@@ -180,7 +180,7 @@ RowSet PlaceRows(Arena& arena, const MatrixXd& rows, const MatrixXd& direct, con
 StepPlan Place(const ModalForm& form, const Discrete& discrete, Arena& arena, std::vector<LargerBlock>& larger) {
   constexpr int kGroup = StateLayout::kGroup;
   const StateLayout& layout = form.layout;
-  const int columns = 2 * form.inputs();
+  const int columns = form.inputs();
   StepPlan plan;
   plan.double_groups = layout.pairs / (2 * kGroup);
   plan.last_pairs = layout.pairs % (2 * kGroup);
@@ -232,7 +232,7 @@ StepPlan Place(const ModalForm& form, const Discrete& discrete, Arena& arena, st
 
 const double* PlaceRigid(const ModalForm& form, const Discrete& discrete, Arena& arena) {
   const auto body = std::find_if(form.blocks.begin(), form.blocks.end(), [](const auto& b) { return b.size == 1; });
-  const Eigen::Index columns = discrete.gain.cols();
+  const Eigen::Index columns = form.inputs();
   MatrixXd record(1, 2 + 2 * columns);
   record(0, 0) = discrete.phi(body->first, body->first);
   record(0, 1) = discrete.p_of_z(0, body->first);
@@ -250,7 +250,6 @@ Failure Refused(const std::string& message) { return {"exact propagation: " + me
 Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, CpuClass cpu_class) {
   if (!(interval_s > 0.0) || !std::isfinite(interval_s)) return Refused("the interval must be positive");
   if (cpu_class > DetectCpuClass()) return Refused("this machine has no " + std::string(ToString(cpu_class)));
-  if (2 * form.inputs() > kMaxInputs) return Refused("at most " + std::to_string(kMaxInputs / 2) + " inputs");
   for (const auto& block : form.blocks) {
     if (StateLayout::Padded(block.size) > kMaxBlock) {
       return Refused("a dense block of " + std::to_string(block.size) + " states is too large");
@@ -260,6 +259,14 @@ Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, 
   const int m = form.inputs(), q = form.integrators();
   const MatrixXd integrator_rows = Spread(form, discrete.p_of_z, MatrixXd::Zero(q, q));
   const MatrixXd output_rows = Spread(form, form.C, form.E);
+  MatrixXd responses(2 * m, form.state_size());
+  for (int j = 0; j < m; ++j) {
+    for (const int ramp : {0, 1}) {
+      const int column = j + ramp * m;
+      responses.row(2 * j + ramp) =
+          Spread(form, discrete.gain.col(column).transpose(), discrete.p_of_u.col(column).transpose());
+    }
+  }
 
   auto coefficients = std::make_shared<Coefficients>();
   coefficients->integrator_ranges = Ranges(integrator_rows);
@@ -270,9 +277,11 @@ Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, 
   const auto place = [&] {
     Arena arena(coefficients->values);
     StepPlan plan = Place(form, discrete, arena, coefficients->larger);
-    plan.integrators = PlaceRows(arena, integrator_rows, discrete.p_of_u, coefficients->integrator_ranges);
+    plan.integrators = PlaceRows(arena, integrator_rows, discrete.p_of_u.leftCols(m), coefficients->integrator_ranges);
     plan.outputs = PlaceRows(arena, output_rows, form.D, coefficients->output_ranges);
     if (rigid) plan.rigid_record = PlaceRigid(form, discrete, arena);
+    plan.responses = arena.Rows(responses);
+    plan.state_size = form.state_size();
     return std::pair(plan, arena.used());
   };
   coefficients->values.resize(place().second);
@@ -283,9 +292,9 @@ Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, 
   result.coefficients_ = std::move(coefficients);
   const Kernels& kernels = KernelsFor(cpu_class);
   result.advance_ = kernels.advance[rigid][Kernels::Variant(m)];
-  result.advance_ramp_ = kernels.advance[rigid][Kernels::Variant(2 * m)];
   result.advance_and_output_ = kernels.advance_and_output[rigid][Kernels::Variant(m)];
   result.output_ = kernels.output;
+  result.respond_ = kernels.respond;
   result.cpu_class_ = cpu_class;
   result.interval_s_ = interval_s;
   result.state_size_ = form.state_size();
@@ -293,14 +302,6 @@ Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, 
   result.held_gain_ = form.C * discrete.gain.leftCols(m) + form.E * discrete.p_of_u.leftCols(m) + form.D;
   result.ramp_gain_ = form.C * discrete.gain.rightCols(m) + form.E * discrete.p_of_u.rightCols(m) + form.D;
   return result;
-}
-
-void Propagator::AdvanceRamp(std::span<double> state, std::span<const double> u0, std::span<const double> du) const {
-  assert(std::ssize(state) == state_size_ && std::ssize(u0) == inputs_ && std::ssize(du) == inputs_);
-  double columns[kMaxInputs];
-  std::copy(u0.begin(), u0.end(), columns);
-  std::copy(du.begin(), du.end(), columns + inputs_);
-  advance_ramp_(plan_, state.data(), columns, 2 * inputs_);
 }
 
 }  // namespace dynoproof::mechanics

@@ -20,7 +20,7 @@ namespace dynoproof::mechanics {
 class Propagator {
  public:
   /// `interval_s` > 0 [s]. `cpu_class` must be at most DetectCpuClass(). Fails (exit code 2) on another interval or
-  /// class, more than kMaxInputs / 2 inputs, or a block above kMaxBlock states.
+  /// class, or a block above kMaxBlock states.
   static Result<Propagator> Create(const ModalForm& form, double interval_s, CpuClass cpu_class = DetectCpuClass());
 
   int state_size() const { return state_size_; }
@@ -36,7 +36,17 @@ class Propagator {
   }
 
   /// One interval in which the input goes straight from u0 to u0 + du.
-  void AdvanceRamp(std::span<double> state, std::span<const double> u0, std::span<const double> du) const;
+  void AdvanceRamp(std::span<double> state, std::span<const double> u0, std::span<const double> du) const {
+    Advance(state, u0);
+    for (int j = 0; j < inputs_; ++j) Respond(state, j, 0.0, du[j]);
+  }
+
+  /// Adds to the state at the end of an interval what `input` would have added, had it been higher by `held` throughout
+  /// and by a straight line from 0 to `ramp`.
+  void Respond(std::span<double> state, int input, double held, double ramp) const {
+    assert(std::ssize(state) == state_size_ && 0 <= input && input < inputs_);
+    respond_(plan_, state.data(), input, held, ramp);
+  }
 
   /// y [r] = C x + E p + D u.
   void Output(std::span<const double> state, std::span<const double> u, std::span<double> y) const {
@@ -63,7 +73,8 @@ class Propagator {
   struct Coefficients;
   Propagator() = default;
 
-  AdvanceKernel advance_ = nullptr, advance_ramp_ = nullptr;
+  AdvanceKernel advance_ = nullptr;
+  RespondKernel respond_ = nullptr;
   AdvanceAndOutputKernel advance_and_output_ = nullptr;
   OutputKernel output_ = nullptr;
   StepPlan plan_;  // points into coefficients_, which copies share

@@ -97,6 +97,7 @@ DYNOPROOF_INLINE void AddRows(const RowSet& rows, const double* state, const dou
         Dot<V, 4>(rows, row, range, state, sum + row);
     }
   }
+  if (rows.direct == nullptr) return;
   for (int row = 0; row < rows.count; ++row) AddDirect(rows, row, u, columns, sum);
 }
 
@@ -251,7 +252,7 @@ DYNOPROOF_INLINE double Step(const StepPlan& plan, double* state, const double* 
   double sum = AllPairs<V, M, kSum>(plan, state, u, columns);
   if constexpr (kSum) {
     if (plan.output_rest.end > plan.output_rest.begin) Dot<V, 1>(plan.outputs, 0, plan.output_rest, state, &sum);
-    AddDirect(plan.outputs, 0, u, M > 0 ? M : columns, &sum);
+    if (plan.outputs.direct != nullptr) AddDirect(plan.outputs, 0, u, M > 0 ? M : columns, &sum);
   }
   return sum;
 }
@@ -260,6 +261,15 @@ template <class V>
 DYNOPROOF_INLINE void Outputs(const StepPlan& plan, const double* state, const double* u, double* y) {
   for (int i = 0; i < plan.outputs.count; ++i) y[i] = 0.0;
   AddRows<V>(plan.outputs, state, u, plan.outputs.columns, y);
+}
+
+template <class V>
+DYNOPROOF_INLINE void AddResponse(const StepPlan& plan, double* state, int input, double held, double ramp) {
+  const double* by_held = plan.responses + 2L * input * plan.state_size;
+  const double* by_ramp = by_held + plan.state_size;
+  for (int i = 0; i < plan.state_size; i += V::kWidth) {
+    Store<V>(state + i, Load<V>(by_held + i) * held + (Load<V>(by_ramp + i) * ramp + Load<V>(state + i)));
+  }
 }
 
 // The functions of one class of instructions. TARGET cannot be a template argument, hence the macro.
@@ -278,12 +288,15 @@ DYNOPROOF_INLINE void Outputs(const StepPlan& plan, const double* state, const d
   TARGET void Output##NAME(const StepPlan& plan, const double* state, const double* u, double* y) {              \
     Outputs<V>(plan, state, u, y);                                                                               \
   }                                                                                                              \
+  TARGET void Respond##NAME(const StepPlan& plan, double* state, int input, double held, double ramp) {          \
+    AddResponse<V>(plan, state, input, held, ramp);                                                              \
+  }                                                                                                              \
   constexpr Kernels k##NAME {                                                                                    \
     {{Advance##NAME<0, false>, Advance##NAME<1, false>, Advance##NAME<2, false>},                                \
      {Advance##NAME<0, true>, Advance##NAME<1, true>, Advance##NAME<2, true>}},                                  \
         {{AdvanceAndOutput##NAME<0, false>, AdvanceAndOutput##NAME<1, false>, AdvanceAndOutput##NAME<2, false>}, \
          {AdvanceAndOutput##NAME<0, true>, AdvanceAndOutput##NAME<1, true>, AdvanceAndOutput##NAME<2, true>}},   \
-        Output##NAME                                                                                             \
+        Output##NAME, Respond##NAME                                                                              \
   }
 
 DYNOPROOF_KERNELS(Baseline, Vector2, );

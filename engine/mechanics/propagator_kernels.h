@@ -6,8 +6,7 @@
 
 namespace dynoproof::mechanics {
 
-/// Limits that let a step live on the stack.
-inline constexpr int kMaxInputs = 64;
+/// Lets a step live on the stack.
 inline constexpr int kMaxBlock = 1024;
 
 /// The part of the state, in doubles and multiples of StateLayout::kGroup, outside of which rows are zero.
@@ -18,7 +17,7 @@ struct Range {
 /// Rows over the state, four at a time (one range each four), and over the inputs.
 struct RowSet {
   const double* values = nullptr;  // count x stride
-  const double* direct = nullptr;  // count x columns
+  const double* direct = nullptr;  // count x columns, or null where all are zero
   const Range* ranges = nullptr;   // of rows 4 i .. 4 i + 3
   int count = 0, stride = 0, columns = 0;
 };
@@ -29,8 +28,7 @@ struct LargerBlock {
   int begin = 0, size = 0, stride = 0;
 };
 
-/// Everything a step reads. Gains have 2 m columns: m for the held input, m for its ramp; a step uses the first m or
-/// all.
+/// Everything a step reads; m inputs.
 struct StepPlan {
   static constexpr int kGroup = StateLayout::kGroup;
   static constexpr int kGainsInRecord = 3 * kGroup;
@@ -52,22 +50,28 @@ struct StepPlan {
   /// Set for the usual drive line (one real eigenvalue, one integrator of it alone, no larger block): Phi, the
   /// integrator's increment by the old state, then for each column the gains of both.
   const double* rigid_record = nullptr;
+  /// For each input the state at the end of the interval per unit held, then per unit at the end of a ramp.
+  const double* responses = nullptr;  // 2 m x state_size
+  int state_size = 0;
 };
 
-/// One interval under u [columns]: the state is replaced.
-using AdvanceKernel = void (*)(const StepPlan& plan, double* state, const double* u, int columns);
-/// The same for a plan with one output and u held, returning the output at the end.
-using AdvanceAndOutputKernel = double (*)(const StepPlan& plan, double* state, const double* u, int columns);
+/// One interval under u [m] held: the state is replaced.
+using AdvanceKernel = void (*)(const StepPlan& plan, double* state, const double* u, int inputs);
+/// The same for a plan with one output, returning the output at the end.
+using AdvanceAndOutputKernel = double (*)(const StepPlan& plan, double* state, const double* u, int inputs);
+/// Adds to the state what `input` would have added, held and as a ramp.
+using RespondKernel = void (*)(const StepPlan& plan, double* state, int input, double held, double ramp);
 /// y [r] of the state and of u [m].
 using OutputKernel = void (*)(const StepPlan& plan, const double* state, const double* u, double* y);
 
-/// Indices: whether the plan has a rigid_record; number of columns where it is 1 or 2, else 0 for any.
+/// Indices: whether the plan has a rigid_record; number of inputs where it is 1 or 2, else 0 for any.
 struct Kernels {
   AdvanceKernel advance[2][3];
   AdvanceAndOutputKernel advance_and_output[2][3];
   OutputKernel output;
+  RespondKernel respond;
 
-  static int Variant(int columns) { return columns <= 2 ? columns : 0; }
+  static int Variant(int inputs) { return inputs <= 2 ? inputs : 0; }
 };
 
 const Kernels& KernelsFor(CpuClass cpu_class);

@@ -1,6 +1,6 @@
 // Evaluation of blocks one after the other; shared by both solvers.
 #include <algorithm>
-#include <array>
+#include <memory>
 #include <vector>
 
 #include "sim/solver.h"
@@ -14,16 +14,17 @@ constexpr std::size_t kFewInputs = 16;
 class Inputs {
  public:
   Inputs(const Block& block, std::span<const double> signals) {
-    if (block.inputs.size() > kFewInputs) many_.resize(block.inputs.size());
-    double* data = many_.empty() ? few_.data() : many_.data();
-    for (std::size_t i = 0; i < block.inputs.size(); ++i) data[i] = signals[block.inputs[i]];
-    values_ = {data, block.inputs.size()};
+    const std::size_t count = block.inputs.size();
+    if (count > kFewInputs) many_ = std::make_unique<double[]>(count);
+    double* const data = many_ != nullptr ? many_.get() : few_;
+    for (std::size_t i = 0; i < count; ++i) data[i] = signals[block.inputs[i]];
+    values_ = {data, count};
   }
   std::span<const double> values() const { return values_; }
 
  private:
-  std::array<double, kFewInputs> few_;
-  std::vector<double> many_;
+  double few_[kFewInputs];
+  std::unique_ptr<double[]> many_;
   std::span<const double> values_;
 };
 

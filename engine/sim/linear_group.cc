@@ -163,6 +163,7 @@ LinearGroup Join(const Rig& rig, const Roles& roles, bool promote, bool& reacts_
     for (const Channel& channel : part.channels) {
       group.channels.push_back({channel, block.first_state + channel.state_offset,
                                 block.first_mode + channel.mode_offset,
+                                static_cast<int>(channel.law->layout().states.size()), channel.law->layout().modes,
                                 channel.law->layout().modes > 0 && !channel.law->sticks()});
     }
     next_channel += own_channels;

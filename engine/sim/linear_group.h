@@ -26,8 +26,9 @@ struct LinearGroup {
   std::vector<bool> read_is_held;  // by `reads`: constant over an interval
   struct JoinedChannel {
     Channel channel;
-    int state, mode;  // in the frame
-    bool switches;    // has modes and does not stick
+    int state, mode;    // in the frame
+    int states, modes;  // how many
+    bool switches;      // has modes and does not stick
   };
   std::vector<JoinedChannel> channels;
   /// x and p for the states of a frame.

@@ -3,8 +3,8 @@
 // change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
 // (second order). Friction that may stick is held over the substep at the value that stops the motion at its end, or
 // slips (time stepping with the set-valued law: no events, no chatter). A law with modes that do not stick (contact)
-// may change its mode once in a substep, at the zero of its guard: its torque, which jumps there, enters with its right
-// mean and first moment. Nothing is allocated in a step.
+// may change its mode once in a substep, at the zero of its guard: along the cubic of the twist its torque enters with
+// its right mean and first moment, before and behind the jump (fourth order). Nothing is allocated in a step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "mechanics/aligned_vector.h"
 #include "mechanics/modal_form.h"
 #include "mechanics/propagator.h"
 #include "model/law.h"
@@ -48,10 +47,12 @@ class RealtimeSolver : public Solver {
   Status Resume(Frame& frame) override {
     Eigen::VectorXd x, p;
     group_.FromStates(frame.states, x, p);
-    frame.solver.assign(form_.state_size() + group_.channels.size(), 0.0);
+    frame.solver.assign(form_.state_size() + group_.channels.size() + y0_.size(), 0.0);
     form_.SetState(x, p, State(frame));
+    for (const int block : roles_.nonlinear) EvaluateAt(frame, block, Seconds(frame.time));
     ReadInputs(frame, v0_);
     Outputs(frame, v0_, y0_);
+    std::copy(y0_.begin(), y0_.end(), Answers(frame));
     for (std::size_t e = 0; e < group_.channels.size(); ++e) {
       if (!Law_(e).sticks()) {
         const LawView view{Seconds(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
@@ -82,7 +83,11 @@ class RealtimeSolver : public Solver {
 
   void Evaluate(Frame& frame, double time_s) override {
     for (const int block : roles_.held) EvaluateAt(frame, block, time_s);
-    Settle(frame, time_s);
+    if (carried_) {
+      for (std::size_t i = 0; i < group_.writes.size(); ++i) frame.signals[group_.writes[i]] = Answers(frame)[i];
+    } else {
+      Settle(frame, time_s);
+    }
     for (const int block : roles_.behind) EvaluateAt(frame, block, time_s);
   }
 
@@ -109,9 +114,22 @@ class RealtimeSolver : public Solver {
     ahead_ = rig.run.realtime.part_corrections == 1 && !roles_.nonlinear.empty() &&
              std::none_of(roles_.nonlinear.begin(), roles_.nonlinear.end(), [this, &rig](int index) {
                const Block& block = rig.blocks[index];
-               return block.states() == 0 || PassesThrough(*block.component) || ReadsAPart(block);
+               return block.states() == 0 || PassesThrough(*block.component) || ReadsAPart(block) ||
+                      std::max<std::size_t>(block.states(), block.inputs.size()) > kMostOfAPart;
              });
+    carried_ = !exact_ && (group_.system.D.array() == 0.0).all() && (roles_.nonlinear.empty() || ahead_);
     part_steps_.assign(group_.reads.size(), 0.0);
+    for (const int index : roles_.nonlinear) {
+      if (!ahead_) break;
+      const Block& block = rig.blocks[index];
+      AheadPart& part = ahead_parts_.emplace_back(
+          AheadPart{&block, {}, block.first_state, block.states(), block.component->layout().modes});
+      for (const int slot : block.inputs) {
+        const auto write = std::find(group_.writes.begin(), group_.writes.end(), slot);
+        part.inputs.push_back(
+            {slot, write == group_.writes.end() ? -1 : static_cast<int>(write - group_.writes.begin())});
+      }
+    }
     summary_ = fmt::format(
         "{} pairs, {} real, {} integrators, {} states dropped, condition {:.1f}{}; {} nonlinear laws, "
         "{} nonlinear parts",
@@ -120,10 +138,10 @@ class RealtimeSolver : public Solver {
     const std::size_t m = form_.inputs(), r = form_.outputs();
     for (auto* vector : {&v0_, &held_, &ramp_}) vector->assign(m, 0.0);
     for (auto* vector : {&y0_, &y_free_, &y_}) vector->assign(r, 0.0);
-    saved_.assign(form_.state_size(), 0.0);
     states_.assign(rig.state_ports.size(), 0.0);
     modes_.assign(rig.modes, 0);
     ends_.assign(group_.channels.size(), 0.0);
+    begin_guards_.assign(group_.channels.size(), 0.0);
     for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
   }
 
@@ -153,9 +171,11 @@ class RealtimeSolver : public Solver {
   }
   /// The torque that each channel applies now, beyond its linear part.
   double* Torque(Frame& frame) const { return frame.solver.data() + form_.state_size(); }
+  /// Where carried_: the linear outputs at the present states.
+  double* Answers(Frame& frame) const { return Torque(frame) + group_.channels.size(); }
   std::span<double> OwnStates(Frame& frame, std::size_t e) const { return OwnStates(frame.states, e); }
   std::span<double> OwnStates(std::vector<double>& states, std::size_t e) const {
-    return {states.data() + group_.channels[e].state, Law_(e).layout().states.size()};
+    return {states.data() + group_.channels[e].state, static_cast<std::size_t>(group_.channels[e].states)};
   }
 
   void ReadInputs(Frame& frame, std::vector<double>& v) const {
@@ -195,16 +215,16 @@ class RealtimeSolver : public Solver {
   bool Switches(std::size_t e) const { return group_.channels[e].switches; }
   std::span<int> OwnModes(Frame& frame, std::size_t e) const { return OwnModes(frame.modes, e); }
   std::span<int> OwnModes(std::vector<int>& modes, std::size_t e) const {
-    return {modes.data() + group_.channels[e].mode, static_cast<std::size_t>(Law_(e).layout().modes)};
+    return {modes.data() + group_.channels[e].mode, static_cast<std::size_t>(group_.channels[e].modes)};
   }
 
-  /// A law between y0_ (s = 0) and y_ (s = 1) of a substep of length h: the twist by its cubic, the rate straight.
+  /// A law between y0_ (s = 0) and y_ (s = 1) of a substep of length h: the twist by its cubic, the rate its slope.
   LawView Between(std::size_t e, double time_s, double h, double s, std::span<const double> own,
                   std::span<const int> modes) const {
     const double d0 = Twist(y0_, e), d1 = Twist(y_, e), w0 = Rate(y0_, e), w1 = Rate(y_, e), r = 1.0 - s;
     return {time_s + s * h,
             r * r * (1.0 + 2.0 * s) * d0 + s * s * (3.0 - 2.0 * s) * d1 + s * r * h * (r * w0 - s * w1),
-            w0 + s * (w1 - w0),
+            6.0 * s * r * (d1 - d0) / h + r * (1.0 - 3.0 * s) * w0 + s * (3.0 * s - 2.0) * w1,
             0.0,
             own,
             modes};
@@ -228,8 +248,23 @@ class RealtimeSolver : public Solver {
     }
   }
 
-  /// The torque of a law with modes over the substep: straight from begin to end, or in two straight pieces around the
-  /// event. `held` and `ramp` give the straight line of the same mean and first moment; returns the torque at the end.
+  /// The torque of a law along a piece of a substep: at its beginning, middle and end.
+  struct Course {
+    double begin, middle, end;
+    double mean() const { return (begin + 4.0 * middle + end) / 6.0; }  // Simpson
+  };
+  /// Runs a law from s0 to s1 in its present mode; `own` ends there.
+  Course Run(std::size_t e, double time_s, double h, double s0, double s1, double begin, std::span<double> own,
+             std::span<const int> modes) const {
+    const double half = 0.5 * (s0 + s1);
+    AdvanceSwitching(e, time_s, h, s0, half, own, modes);
+    const double middle = BeyondLinear(e, Between(e, time_s, h, half, own, modes));
+    AdvanceSwitching(e, time_s, h, half, s1, own, modes);
+    return {begin, middle, BeyondLinear(e, Between(e, time_s, h, s1, own, modes))};
+  }
+
+  /// The torque of a law with modes over the substep, in one course or in two around its event. `held` and `ramp` give
+  /// the straight line of the same mean and first moment; returns the torque at the end.
   double Switch(std::size_t e, double time_s, double h, double begin, std::span<double> own, std::span<int> modes,
                 double& held, double& ramp) {
     assert(own.size() <= kMostLawStates);
@@ -237,15 +272,13 @@ class RealtimeSolver : public Solver {
     const Law& law = Law_(e);
     const auto restore = [&] { std::copy_n(saved, own.size(), own.begin()); };
     std::copy(own.begin(), own.end(), saved);
-    double guard[2];
-    law.Guards(Between(e, time_s, h, 0.0, own, modes), {&guard[0], 1});
-    AdvanceSwitching(e, time_s, h, 0.0, 1.0, own, modes);
+    double guard[2] = {begin_guards_[e], 0.0};
+    const Course whole = Run(e, time_s, h, 0.0, 1.0, begin, own, modes);
     law.Guards(Between(e, time_s, h, 1.0, own, modes), {&guard[1], 1});
     if (guard[0] > 0.0 && guard[1] > 0.0) {
-      const double end = BeyondLinear(e, Between(e, time_s, h, 1.0, own, modes));
-      held = begin;
-      ramp = end - begin;
-      return end;
+      ramp = whole.end - begin;
+      held = whole.mean() - 0.5 * ramp;
+      return whole.end;
     }
     // The zero of the guard by false position, bracketed; the guard is smooth within a mode.
     double low = 0.0, high = 1.0, at = guard[0] <= 0.0 ? 0.0 : guard[0] / (guard[0] - guard[1]);
@@ -259,20 +292,18 @@ class RealtimeSolver : public Solver {
       at = low + (high - low) * guard[0] / (guard[0] - guard[1]);
     }
     restore();
-    AdvanceSwitching(e, time_s, h, 0.0, at, own, modes);
+    const Course before = Run(e, time_s, h, 0.0, at, begin, own, modes);
     const LawView event = Between(e, time_s, h, at, own, modes);
-    const double before = BeyondLinear(e, event);
     law.OnEvent(event, 0, own, modes);
-    const double after = BeyondLinear(e, Between(e, time_s, h, at, own, modes));
-    AdvanceSwitching(e, time_s, h, at, 1.0, own, modes);
-    const double end = BeyondLinear(e, Between(e, time_s, h, 1.0, own, modes)), rest = 1.0 - at;
-    // Mean and first moment about the middle of [begin, before] on [0, at] and [after, end] on [at, 1].
-    const double mean = 0.5 * (at * (begin + before) + rest * (after + end));
-    const double moment = at * at * (begin / 6.0 + before / 3.0) - 0.25 * at * (begin + before) +
-                          rest * (0.5 * (at - 0.5) * (after + end) + rest * (after / 6.0 + end / 3.0));
+    const double jumped = BeyondLinear(e, Between(e, time_s, h, at, own, modes)), rest = 1.0 - at;
+    const Course after = Run(e, time_s, h, at, 1.0, jumped, own, modes);
+    // Mean of both, and their first moment about the middle of the substep: each at its own middle, plus its slope.
+    const double mean = at * before.mean() + rest * after.mean();
+    const double moment = 0.5 * at * rest * (after.mean() - before.mean()) +
+                          (at * at * (before.end - begin) + rest * rest * (after.end - jumped)) / 12.0;
     ramp = 12.0 * moment;
     held = mean - 0.5 * ramp;
-    return end;
+    return after.end;
   }
 
   static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
@@ -309,32 +340,34 @@ class RealtimeSolver : public Solver {
   }
 
   void Substep(Frame& frame, const Step& step, double time_s, int number) {
-    const std::size_t reads = group_.reads.size(), channels = group_.channels.size(), m = v0_.size();
+    const std::size_t reads = group_.reads.size(), channels = group_.channels.size();
     const std::span<double> state = State(frame);
-    if (ahead_) {
-      ReadInputs(frame, v0_);
-      if (number == 0) {
-        step.propagator.Output(state, v0_, y0_);
-      } else {  // the last correction left twists and rates as they are now
-        std::copy(y_.begin() + static_cast<std::ptrdiff_t>(group_.writes.size()), y_.end(),
-                  y0_.begin() + static_cast<std::ptrdiff_t>(group_.writes.size()));
-      }
-    } else {
-      Settle(frame, time_s);  // a held signal that feeds through may have jumped
-      ReadInputs(frame, v0_);
+    if (!carried_ && !ahead_) Settle(frame, time_s);  // a held signal that feeds through may have jumped
+    if (number == 0 || (!carried_ && !ahead_)) ReadInputs(frame, v0_);
+    if (carried_) {
+      for (std::size_t r = 0; r < y0_.size(); ++r) y0_[r] = Answers(frame)[r];
+    } else if (ahead_) {
+      step.propagator.Output(state, v0_, y0_);
     }
-    std::copy(state.begin(), state.end(), saved_.begin());
-    std::copy(frame.states.begin(), frame.states.end(), states_.begin());
-    std::copy(frame.modes.begin(), frame.modes.end(), modes_.begin());
+    SaveStates(frame);
     step.propagator.Advance(state, v0_);
     step.propagator.Output(state, v0_, y_free_);
-    y_ = y_free_;
-    std::fill(ramp_.begin(), ramp_.end(), 0.0);
-    held_ = v0_;
+    for (std::size_t i = 0; i < v0_.size(); ++i) {
+      held_[i] = v0_[i];
+      ramp_[i] = 0.0;
+    }
     if (ahead_) {
       if (number == 0) AdvanceAhead(frame, time_s, step);
-      std::copy(part_steps_.begin(), part_steps_.end(), ramp_.begin());
-      Correct(step.propagator);
+      for (std::size_t i = 0; i < reads; ++i) {
+        ramp_[i] = part_steps_[i];
+        AddGain(step.propagator.ramp_gain(), i, ramp_[i], 0, y_free_);
+      }
+    }
+    std::copy(y_free_.begin(), y_free_.end(), y_.begin());
+    for (std::size_t e = 0; e < channels; ++e) {
+      if (!Switches(e)) continue;
+      Law_(e).Guards(Between(e, time_s, step.length_s, 0.0, OwnStates(frame, e), OwnModes(frame, e)),
+                     {&begin_guards_[e], 1});
     }
     for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
       if (!roles_.nonlinear.empty() && !ahead_ &&
@@ -346,55 +379,106 @@ class RealtimeSolver : public Solver {
         Correct(step.propagator);
       }
       for (std::size_t e = 0; e < channels; ++e) {
-        std::copy_n(states_.begin() + group_.channels[e].state, Law_(e).layout().states.size(),
-                    OwnStates(frame, e).begin());
-        if (Switches(e)) {
-          const std::size_t column = reads + e;
-          std::copy_n(modes_.begin() + group_.channels[e].mode, Law_(e).layout().modes, OwnModes(frame, e).begin());
-          ends_[e] = Switch(e, time_s, step.length_s, v0_[column], OwnStates(frame, e), OwnModes(frame, e),
-                            held_[column], ramp_[column]);
-          Correct(step.propagator);
-          continue;
-        }
-        AdvanceLaw(e, time_s, step.length_s, OwnStates(frame, e));
-        const std::size_t column = reads + e;
-        if (Law_(e).sticks()) {
-          const double gain = step.propagator.held_gain()(group_.writes.size() + 2 * e + 1, column);
-          held_[column] = StickOrSlip(e, time_s + step.length_s, held_[column], gain, OwnStates(frame, e));
-        } else {
-          ramp_[column] = BeyondLinear(e, time_s + step.length_s, y_, OwnStates(frame, e)) - v0_[column];
-        }
+        SweepLaw(frame, step, time_s, e);
         Correct(step.propagator);
       }
     }
-    std::copy(saved_.begin(), saved_.end(), state.begin());
-    step.propagator.AdvanceRamp(state, held_, ramp_);
-    for (std::size_t i = 0; i < m; ++i) held_[i] += ramp_[i];
-    for (std::size_t i = 0; ahead_ && i < reads; ++i) {
-      if (!group_.read_is_held[i]) frame.signals[group_.reads[i]] = held_[i];
+    for (std::size_t c = 0; c < v0_.size(); ++c) {
+      if (held_[c] != v0_[c] || ramp_[c] != 0.0) {
+        step.propagator.Respond(state, static_cast<int>(c), held_[c] - v0_[c], ramp_[c]);
+      }
     }
-    for (std::size_t e = 0; e < channels; ++e) Torque(frame)[e] = Switches(e) ? ends_[e] : held_[reads + e];
+    if (carried_) {
+      Correct(step.propagator, 0);
+      std::copy(y_.begin(), y_.end(), Answers(frame));
+    }
+    for (std::size_t i = 0; i < v0_.size(); ++i) v0_[i] = held_[i] + ramp_[i];  // the next substep goes on from there
+    for (std::size_t e = 0; e < channels; ++e) {
+      if (Switches(e)) v0_[reads + e] = ends_[e];
+      Torque(frame)[e] = v0_[reads + e];
+    }
+  }
+
+  /// Keeps what a substep begins with: the states of laws and parts, and modes.
+  void SaveStates(const Frame& frame) {
+    for (const auto& channel : group_.channels) {
+      std::copy_n(frame.states.begin() + channel.state, channel.states, states_.begin() + channel.state);
+      std::copy_n(frame.modes.begin() + channel.mode, channel.modes, modes_.begin() + channel.mode);
+    }
+    if (ahead_) return;
+    for (const int index : roles_.nonlinear) {
+      const Block& block = rig_.blocks[index];
+      std::copy_n(frame.states.begin() + block.first_state, block.states(), states_.begin() + block.first_state);
+    }
+  }
+
+  /// One correction of a law: its states at the end of the substep, and the course of its torque in held_ and ramp_.
+  void SweepLaw(Frame& frame, const Step& step, double time_s, std::size_t e) {
+    const auto& channel = group_.channels[e];
+    const std::size_t column = group_.reads.size() + e;
+    const std::span<double> own = OwnStates(frame, e);
+    std::copy_n(states_.begin() + channel.state, channel.states, own.begin());
+    if (channel.switches) {
+      std::copy_n(modes_.begin() + channel.mode, channel.modes, OwnModes(frame, e).begin());
+      ends_[e] = Switch(e, time_s, step.length_s, v0_[column], own, OwnModes(frame, e), held_[column], ramp_[column]);
+      return;
+    }
+    AdvanceLaw(e, time_s, step.length_s, own);
+    if (Law_(e).sticks()) {
+      const double gain = step.propagator.held_gain()(group_.writes.size() + 2 * e + 1, column);
+      held_[column] = StickOrSlip(e, time_s + step.length_s, held_[column], gain, own);
+    } else {
+      ramp_[column] = BeyondLinear(e, time_s + step.length_s, y_, own) - v0_[column];
+    }
+  }
+
+  /// y += gain's column of an input times `amount`, from row `first` on.
+  static void AddGain(const Eigen::MatrixXd& gain, std::size_t input, double amount, std::size_t first,
+                      std::vector<double>& y) {
+    if (amount == 0.0) return;
+    const double* column = gain.data() + input * y.size();
+    for (std::size_t r = first; r < y.size(); ++r) y[r] += column[r] * amount;
   }
 
   /// y_ for the present held_ and ramp_; without parts that listen only the channels' twists and rates.
   void Correct(const Propagator& propagator) {
-    const Eigen::Index rows = static_cast<Eigen::Index>(y_.size());
-    const Eigen::Index first = roles_.nonlinear.empty() || ahead_ ? static_cast<Eigen::Index>(group_.writes.size()) : 0;
-    std::copy(y_free_.begin() + first, y_free_.end(), y_.begin() + first);
-    for (std::size_t c = 0; c < v0_.size(); ++c) {
-      const double step = held_[c] - v0_[c], ramp = ramp_[c];
-      if (step == 0.0 && ramp == 0.0) continue;
-      const double *by_step = &propagator.held_gain()(0, static_cast<Eigen::Index>(c)),
-                   *by_ramp = &propagator.ramp_gain()(0, static_cast<Eigen::Index>(c));
-      for (Eigen::Index r = first; r < rows; ++r) y_[r] += by_step[r] * step + by_ramp[r] * ramp;
+    Correct(propagator, roles_.nonlinear.empty() || ahead_ ? group_.writes.size() : 0);
+  }
+  void Correct(const Propagator& propagator, std::size_t first) {
+    for (std::size_t r = first; r < y_.size(); ++r) y_[r] = y_free_[r];
+    for (std::size_t c = ahead_ ? group_.reads.size() : 0; c < v0_.size();
+         ++c) {  // ahead: y_free_ has the parts' share
+      AddGain(propagator.held_gain(), c, held_[c] - v0_[c], first, y_);
+      AddGain(propagator.ramp_gain(), c, ramp_[c], first, y_);
     }
   }
 
-  /// Carries parts that follow from their states alone (machines) over the whole interval in its first substep, with
-  /// the linear signals running on as straight as they begin; what they answer then changes in equal steps.
+  /// Carries parts that follow from their states alone (machines) over the whole interval in its first substep (Runge-
+  /// Kutta 4), with the linear signals running on as straight as they begin; what they answer then changes in equal
+  /// steps.
   void AdvanceAhead(Frame& frame, double time_s, const Step& step) {
-    for (std::size_t i = 0; i < group_.writes.size(); ++i) y_[i] = y0_[i] + step.substeps * (y_free_[i] - y0_[i]);
-    AdvanceParts(frame, time_s, step.substeps * step.length_s);
+    static constexpr double kNone[kMostOfAPart] = {};
+    const double h = step.substeps * step.length_s, weight[4] = {0.0, 0.5, 0.5, 1.0};
+    for (const AheadPart& part : ahead_parts_) {
+      const std::size_t count = part.states, inputs = part.inputs.size();
+      double* const own = frame.states.data() + part.first_state;
+      double begin[kMostOfAPart], change[kMostOfAPart], u[kMostOfAPart], x[kMostOfAPart], k[4][kMostOfAPart];
+      for (std::size_t i = 0; i < inputs; ++i) {
+        const auto [slot, write] = part.inputs[i];
+        begin[i] = write < 0 ? frame.signals[slot] : y0_[write];
+        change[i] = write < 0 ? 0.0 : step.substeps * (y_free_[write] - y0_[write]);
+      }
+      const std::span<const int> modes(frame.modes.data() + part.block->first_mode, part.modes);
+      for (int stage = 0; stage < 4; ++stage) {
+        const double s = weight[stage], length = s * h;
+        const double* const slope = stage == 0 ? kNone : k[stage - 1];
+        for (std::size_t i = 0; i < inputs; ++i) u[i] = begin[i] + s * change[i];
+        for (std::size_t i = 0; i < count; ++i) x[i] = own[i] + length * slope[i];
+        part.block->component->Derivative({time_s + length, {u, inputs}, {x, count}, modes}, {k[stage], count});
+      }
+      for (std::size_t i = 0; i < count; ++i) own[i] += h / 6.0 * (k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i]);
+      EvaluateBlock(*part.block, time_s + h, frame.states, frame.modes, frame.signals);
+    }
     for (std::size_t i = 0; i < group_.reads.size(); ++i) {
       part_steps_[i] = group_.read_is_held[i] ? 0.0 : (frame.signals[group_.reads[i]] - v0_[i]) / step.substeps;
     }
@@ -420,7 +504,6 @@ class RealtimeSolver : public Solver {
         }
       }
       for (const int index : roles_.nonlinear) {
-        if (ahead_ && stage < 4) break;  // nobody reads them before the end
         EvaluateBlock(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals);
       }
       if (stage == 4) break;
@@ -434,7 +517,18 @@ class RealtimeSolver : public Solver {
   Roles roles_;
   LinearGroup group_;
   ModalForm form_;
-  bool ahead_ = false;              // part_corrections = 1 and no part reads another or passes its inputs through
+  static constexpr std::size_t kMostOfAPart = 16;  // inputs or states of a part that is carried ahead
+  bool ahead_ = false;    // part_corrections = 1 and no part reads another or passes its inputs through
+  bool carried_ = false;  // nothing feeds through: what a substep ends with is what the next begins with
+  struct AheadPart {
+    const Block* block;
+    struct Input {
+      int slot, write;  // place among group_.writes, or -1
+    };
+    std::vector<Input> inputs;
+    int first_state, states, modes;
+  };
+  std::vector<AheadPart> ahead_parts_;
   std::vector<double> part_steps_;  // by reads: their change in a substep, for such parts
   bool chained_ = false;            // the linear group reads a nonlinear part that passes its inputs through
   bool exact_ = true;               // nothing is nonlinear: one exact step per interval
@@ -442,9 +536,8 @@ class RealtimeSolver : public Solver {
   std::string summary_;
   std::int64_t periods_ = 0, substeps_ = 0;
   // Scratch memory of a step: inputs at its beginning, held and straight parts of their course; outputs.
-  std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_, ends_;
+  std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_, ends_, begin_guards_;
   std::vector<int> modes_;
-  mechanics::AlignedVector saved_;
   std::vector<double> stages_[4];
 };
 

@@ -38,7 +38,8 @@ void Simulation::TakeSamples() {
 
 void Simulation::TickControls() {
   for (const Block& block : rig_.controls) {
-    if (frame_.time < block.offset || (frame_.time - block.offset) % block.period != 0) continue;
+    const bool every_tick = block.period == rig_.period && block.offset == 0;  // spares the usual one a division
+    if (!every_tick && (frame_.time < block.offset || (frame_.time - block.offset) % block.period != 0)) continue;
     double inputs[kMaxControlInputs];
     const std::size_t count = block.inputs.size();
     for (std::size_t i = 0; i < count; ++i) inputs[i] = frame_.signals[block.inputs[i]];
@@ -112,20 +113,17 @@ Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progres
   const FlushSubnormals flush;
   Samples samples;
   const auto rows = static_cast<std::size_t>(rig.steps) + 1;
-  samples.time.reserve(rows);
-  samples.inputs.assign(rig.inputs.size(), {});
-  samples.outputs.assign(rig.outputs.size(), {});
-  for (auto* columns : {&samples.inputs, &samples.outputs}) {
-    for (std::vector<double>& column : *columns) column.reserve(rows);
-  }
+  samples.time.resize(rows);
+  samples.inputs.assign(rig.inputs.size(), std::vector<double>(rows));
+  samples.outputs.assign(rig.outputs.size(), std::vector<double>(rows));
   Simulation simulation(rig, solver);
   if (Status failed = simulation.Start()) return *failed;
   const std::int64_t report = std::max<std::int64_t>(1, rig.steps / 200);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     if (Status failed = simulation.Tick()) return *failed;
-    samples.time.push_back(Seconds(simulation.frame().time));
-    for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i].push_back(simulation.InputCommand(i));
-    for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i].push_back(simulation.OutputSample(i));
+    samples.time[step] = Seconds(simulation.frame().time);
+    for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i][step] = simulation.InputCommand(i);
+    for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i][step] = simulation.OutputSample(i);
     if (step == rig.steps) break;
     if (Status failed = simulation.Integrate()) return *failed;
     if (progress && step % report == 0 && !progress(static_cast<double>(step) / static_cast<double>(rig.steps))) {

@@ -384,13 +384,7 @@ TEST(Propagator, RefusesWhatItCannotDo) {
   ASSERT_FALSE(zero.ok());
   EXPECT_THAT(zero.failure().message, HasSubstr("interval"));
   EXPECT_FALSE(Propagator::Create(form, std::nan("")).ok());
-  LinearSystem many = Oscillator(700.0, 0.1);
-  many.B = MatrixXd::Ones(2, 33);
-  many.D = MatrixXd::Zero(2, 33);
-  const auto refused = Propagator::Create(ModalForm::Build(many), kStep);
-  ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.failure().message, HasSubstr("inputs"));
-  EXPECT_EQ(refused.failure().exit_code, 2);
+  EXPECT_EQ(zero.failure().exit_code, 2);
 }
 
 }  // namespace
