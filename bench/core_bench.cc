@@ -3,6 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <vector>
 
 #include "base/random.h"
@@ -29,15 +31,26 @@ control10k::CoreConfig Config() {
   return config;
 }
 
+/// Every how many steps one is done twice: real extra work, by which bench/ab.py --prove measures what it can find.
+std::size_t ExtraWorkEvery() {
+  const char* percent = std::getenv("DYNOPROOF_EXTRA_WORK_PERCENT");
+  const int share = percent != nullptr ? std::atoi(percent) : 0;
+  return share > 0 ? static_cast<std::size_t>(100 / share) : std::numeric_limits<std::size_t>::max();
+}
+
 void CoreStep(benchmark::State& state) {
   const FlushSubnormals flush;
   const std::vector<double> torque = Torque();
   const control10k::Core core(Config());
   control10k::CoreState memory;
   core.Start(memory);
-  std::size_t n = 0;
+  const std::size_t extra_every = ExtraWorkEvery();
+  std::size_t n = 0, until_extra = extra_every;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(core.Step(memory, {0.0, 0.01, torque[n], 9.7, state.range(0) != 0}));
+    for (int twice = --until_extra == 0 ? 2 : 1; twice > 0; --twice) {
+      benchmark::DoNotOptimize(core.Step(memory, {0.0, 0.01, torque[n], 9.7, state.range(0) != 0}));
+    }
+    if (until_extra == 0) until_extra = extra_every;
     n = n + 1 < torque.size() ? n + 1 : 0;
   }
   NoteClock(state);

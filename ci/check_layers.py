@@ -18,8 +18,9 @@ MAY_INCLUDE = {
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
     "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
-    "reports": ["experiment", "score", "trace", "model", "mechanics", "base"],
-    "app": ["reports", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
+    "history": ["score", "base"],
+    "reports": ["history", "experiment", "score", "trace", "model", "mechanics", "base"],
+    "app": ["reports", "history", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
 }
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 

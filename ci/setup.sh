@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build ccache git ca-certificates
   libeigen3-dev libsundials-dev libhdf5-dev libtomlplusplus-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpugixml-dev
-  libgtest-dev libgmock-dev libbenchmark-dev libboost-dev libceres-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libboost-dev libceres-dev libsqlite3-dev libssl-dev
 )
 missing=()
 for package in "${packages[@]}"; do

@@ -133,6 +133,7 @@ nlohmann::json ToJson(const std::vector<ScenarioResult>& results) {
     for (const auto& [name, figure] : result.figures) {
       scenario["figures"][name] = {{"value", Number(figure.value)}, {"unit", figure.unit}};
     }
+    if (!result.counters.empty()) scenario["counters"] = result.counters;
     document["scenarios"].push_back(std::move(scenario));
   }
   return document;

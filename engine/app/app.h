@@ -66,6 +66,7 @@ void AddCompare(CLI::App& program, int& exit);
 void AddReproduce(CLI::App& program, int& exit);
 void AddBench(CLI::App& program, int& exit);
 void AddDiagnose(CLI::App& program, int& exit);
+void AddHistory(CLI::App& program, int& exit);
 void AddBless(CLI::App& program, int& exit);
 
 }  // namespace dynoproof::app

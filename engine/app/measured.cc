@@ -24,9 +24,7 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
   const std::unique_ptr<Prepared> prepared = Prepare(result.file, options, registry, diagnostics);
   if (prepared == nullptr) return std::nullopt;
   result.plan = prepared->plan;
-  std::vector<SignalName> inputs, outputs;
-  for (const InputLine& line : prepared->rig->inputs) inputs.push_back({line.name, line.unit});
-  for (const OutputLine& line : prepared->rig->outputs) outputs.push_back({line.name, line.unit});
+  const std::vector<SignalName> inputs = InputNames(*prepared->rig), outputs = OutputNames(*prepared->rig);
   const std::size_t records = data.size() + holdout.size();
   if (maps.size() > 1 && maps.size() != records) {
     diagnostics.Error({"--map"}, fmt::format("{} maps for {} records", maps.size(), records),

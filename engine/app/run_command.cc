@@ -5,6 +5,7 @@
 #include <atomic>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -21,7 +22,7 @@ namespace {
 struct RunArguments {
   Common common;
   std::vector<std::string> names, overrides;
-  std::string solver, out = "out", junit, markdown, html, data, map;
+  std::string solver, out = "out", junit, markdown, html, data, map, today;
   int jobs = 1;
 };
 
@@ -36,6 +37,7 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
       RunOptions options;
       options.out = arguments.out;
       options.data = data;
+      options.today = arguments.today;
       options.progress = [&, i](double fraction) {
         const std::lock_guard<std::mutex> lock(screen);
         ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
@@ -71,10 +73,7 @@ std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& r
     diagnostics.Error({arguments.data}, record.failure().message);
     return std::nullopt;
   }
-  std::vector<SignalName> inputs, outputs;
-  for (const InputLine& line : rig.inputs) inputs.push_back({line.name, line.unit});
-  for (const OutputLine& line : rig.outputs) outputs.push_back({line.name, line.unit});
-  return MapRecord(*record, arguments.map, inputs, outputs, diagnostics);
+  return MapRecord(*record, arguments.map, InputNames(rig), OutputNames(rig), diagnostics);
 }
 
 int Run(const RunArguments& arguments) {
@@ -157,6 +156,14 @@ void AddRun(CLI::App& program, int& exit) {
   command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
   command->add_option("--data", arguments->data,
                       "drive the inputs with this record (CSV, HDF5) and compare its outputs");
+  command
+      ->add_option("--today", arguments->today,
+                   "2026-01-31: decide on the accepted gaps of [record] as on that day (default: the clock's)")
+      ->check(CLI::Validator(
+          [](const std::string& day) {
+            return std::regex_match(day, std::regex(R"(\d{4}-\d\d-\d\d)")) ? "" : "write 2026-01-31, not " + day;
+          },
+          "DAY"));
   command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)");
   AddCommon(*command, arguments->common);
   AddExamples(*command,

@@ -79,27 +79,6 @@ void ReadReplays(const Value& value, const std::string& folder, Records& records
   if (mapped) records[text("file") + "#" + text("column")] = mapped->inputs.at(text("column"));
 }
 
-/// [record]: how far the outputs may be from a measured record that `run --data` hands over.
-struct RecordLimits {
-  std::vector<std::pair<std::string, double>> nrmse;
-  void Visit(auto& v) { v.Optional("nrmse", nrmse, Positive("1"), "largest NRMSE by output"); }
-};
-
-void CheckRecord(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
-  const Value* table = plan.root.Find("record");
-  if (table == nullptr) return;
-  RecordLimits limits;
-  if (!table->is_table()) {
-    diagnostics.Error(table->where(), "\"record\" is " + table->KindName(),
-                      "write [record] with nrmse = { OUTPUT = ... }");
-  } else if (ReadParams(*table, limits, diagnostics, "record")) {
-    for (const auto& [name, limit] : limits.nrmse) {
-      if (FindOutput(rig, name) >= 0) continue;
-      diagnostics.Error(table->Find("nrmse")->where(), fmt::format("there is no output \"{}\" to limit", name));
-    }
-  }
-}
-
 /// Builds every [variant.NAME]: a table laid over the scenario.
 void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepared, Diagnostics& diagnostics) {
   const Value* tables = plan.root.Find("variant");
@@ -127,6 +106,7 @@ void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepare
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics) {
   const int before = diagnostics.error_count();
+  const Plan written = plan;
   auto prepared = std::make_unique<Prepared>();
   prepared->records = std::make_shared<Records>();
   if (!options.solver.empty()) plan.root["run"]["solver"] = Value(options.solver);
@@ -147,10 +127,25 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   for (const std::string& name : KeysOfSection(plan, "output")) names.outputs.emplace_back().name = name;
   const Rig& rig = prepared->rig != nullptr ? *prepared->rig : names;
   ReadAnalysis(plan, rig, diagnostics);
-  CheckRecord(plan, rig, diagnostics);
+  prepared->record = ReadRecordSettings(plan, rig, diagnostics);
   // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
   if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);
   prepared->plan = std::move(plan);
+  if (diagnostics.error_count() != before) return nullptr;
+  if (options.data != nullptr || !prepared->record || prepared->record->file.empty()) return prepared;
+  // The scenario's own record drives it: the same once more with the data, and with the scenario's checks.
+  Result<MappedRecord> data = OpenRecord(*prepared->record, folder, *prepared->rig);
+  if (!data.ok()) {
+    prepared->record_fault = data.failure().ToString();
+    return prepared;
+  }
+  const auto owned = std::make_shared<const MappedRecord>(std::move(*data));
+  PrepareOptions driven = options;
+  driven.data = owned.get();
+  prepared = Prepare(written, driven, registry, diagnostics);
+  if (prepared == nullptr) return nullptr;
+  prepared->data = owned;
+  prepared->checks = ReadChecks(prepared->plan, *prepared->rig, diagnostics);
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiment/checks.h"
-#include "experiment/records.h"
+#include "experiment/measured_record.h"
 #include "model/registry.h"
 #include "sim/rig.h"
 
@@ -21,6 +22,9 @@ struct Prepared {
   std::shared_ptr<Records> records;
   std::vector<std::string> notes;  // what a reader of the result should know
   const Registry* registry = nullptr;
+  std::optional<RecordSettings> record;
+  std::shared_ptr<const MappedRecord> data;  // of [record] file: drives the inputs it has
+  std::string record_fault;                  // why there is no such record: the scenario fails
   /// [variant.NAME]: the scenario with some values changed; its outputs are recorded as OUTPUT_NAME.
   struct Variant {
     std::string name;

@@ -7,10 +7,9 @@
 #include "base/cpu.h"
 #include "experiment/analysis.h"
 #include "experiment/build_info.h"
-#include "experiment/why.h"
+#include "experiment/measured_record.h"
 #include "scenario/load.h"
 #include "score/hull.h"
-#include "score/nrmse.h"
 #include "sim/solver.h"
 #include "trace/trace_io.h"
 
@@ -63,43 +62,6 @@ Status AddVariants(const Prepared& prepared, trace::Trace& trace) {
     }
   }
   return {};
-}
-
-/// The outputs against a measured record, each at the record's own time stamps.
-std::vector<score::Check> CompareWithRecord(const Prepared& prepared, const Samples& samples, const MappedRecord& data,
-                                            Figures& figures) {
-  std::vector<score::Check> checks;
-  const Value* limits = prepared.plan.root.FindPath("record.nrmse");
-  for (const auto& [name, series] : data.outputs) {
-    score::NrmseOptions options;
-    const Value* limit = limits != nullptr ? limits->Find(name) : nullptr;
-    const bool stated = limit != nullptr && limit->is_number();
-    options.limit = stated ? limit->number() : 0.1;
-    options.constant_limit = options.limit;
-    const score::Series measured{*series.time, *series.values};
-    const score::Series simulated = SeriesOf(samples, *prepared.rig, name, &options.nominal);
-    const score::NrmseResult result = score::Nrmse(measured, simulated, options);
-    score::Check check =
-        score::NrmseCheck(result, options, "record " + name,
-                          stated ? "stated in [record] of the scenario"
-                                 : "no limit stated in [record] nrmse: a tenth of the signal's own spread");
-    check.kind = "record";
-    if (result.nrmse) figures[name + ".nrmse"] = {*result.nrmse, "1"};
-    if (check.verdict != score::Verdict::kPass && score::FaultOf(measured, "record").empty()) {
-      check.explanation = Why(measured, simulated, options.limit * score::StandardDeviation(*series.values),
-                              prepared.rig->outputs[FindOutput(*prepared.rig, name)].unit);
-    }
-    checks.push_back(std::move(check));
-  }
-  if (limits == nullptr || data.outputs.empty()) return checks;
-  for (const std::string& name : KeysOf(*limits)) {
-    if (data.outputs.contains(name)) continue;
-    score::Check& missing = checks.emplace_back();
-    missing.name = "record " + name;
-    missing.kind = "record";
-    missing.explanation = "[record] limits this output, but the record does not have it";
-  }
-  return checks;
 }
 
 }  // namespace
@@ -159,8 +121,17 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.exit_code = failure.exit_code;
     return result;
   };
+  if (!prepared.record_fault.empty()) {  // without its record there is nothing to run
+    score::Check& check = result.checks.emplace_back();
+    check.name = "record";
+    check.kind = "record";
+    check.explanation = prepared.record_fault;
+    result.verdict = score::Combine(result.checks);
+    return result;
+  }
   const Result<Course> course = Play(prepared, options.progress);
   if (!course.ok()) return broken(course.failure());
+  result.counters = course->samples.counters;
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
   if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
   result.trace_file = file;
@@ -178,16 +149,20 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.checks.insert(result.checks.end(), made.begin(), made.end());
   }
   result.figures = std::move(context.figures);
-  if (options.data != nullptr) {
-    result.notes.insert(result.notes.end(), options.data->notes.begin(), options.data->notes.end());
-    result.checks = CompareWithRecord(prepared, course->samples, *options.data, result.figures);
-    if (result.checks.empty()) {
-      result.notes.push_back("the record has no output of the scenario: nothing was compared");
-    }
+  const MappedRecord* const data = options.data != nullptr ? options.data : prepared.data.get();
+  if (data != nullptr) {
+    result.notes.insert(result.notes.end(), data->notes.begin(), data->notes.end());
+    const RecordSettings settings = prepared.record.value_or(RecordSettings());
+    const std::string today = options.today.empty() ? Today() : options.today;
+    std::vector<score::Check> compared =
+        CompareWithRecord(*prepared.rig, course->samples, *data, settings, today, result.figures);
+    if (compared.empty()) result.notes.push_back("the record has no output of the scenario: nothing was compared");
+    if (options.data != nullptr) result.checks.clear();
+    result.checks.insert(result.checks.end(), compared.begin(), compared.end());
   } else if (result.checks.empty()) {
     result.notes.push_back("the scenario states no checks: nothing was compared");
   }
-  const bool inputs_alone = options.data != nullptr && result.checks.empty();
+  const bool inputs_alone = data != nullptr && result.checks.empty();
   result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
   if (options.seen) options.seen(*course, context, result);
   return result;

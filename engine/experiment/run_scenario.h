@@ -1,7 +1,9 @@
 // One scenario from start to verdict: simulate, write the trace, make the checks.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,9 @@ struct ScenarioResult {
   std::string trace_file;  // empty when none was written
   std::vector<score::Check> checks;
   Figures figures;
-  std::string broken;  // why, for a verdict of kBroken
-  int exit_code = 3;   // of that failure
+  std::map<std::string, std::int64_t> counters;  // of the solver: steps, events, ...
+  std::string broken;                            // why, for a verdict of kBroken
+  int exit_code = 3;                             // of that failure
   std::vector<std::string> notes;
 };
 
@@ -30,8 +33,9 @@ struct Course {
 };
 
 struct RunOptions {
-  std::string out = "out";  // folder; traces go to out/<id>.h5
-  const MappedRecord* data = nullptr;
+  std::string out = "out";             // folder; traces go to out/<id>.h5
+  const MappedRecord* data = nullptr;  // --data: its comparison takes the place of the scenario's checks
+  std::string today = {};              // for accepted gaps, "2026-01-31"; empty: by the clock
   Progress progress = {};
   /// Called with what there is to see when the checks have been made; not for a broken run.
   std::function<void(const Course&, CheckContext&, const ScenarioResult&)> seen = {};

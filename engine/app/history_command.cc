@@ -1,0 +1,243 @@
+// dynoproof history
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "app/app.h"
+#include "base/cpu.h"
+#include "experiment/run_scenario.h"
+#include "history/watch.h"
+#include "reports/run_report.h"
+#include "reports/trend_page.h"
+
+namespace dynoproof::app {
+namespace {
+
+using history::Finding;
+using history::History;
+
+struct HistoryArguments {
+  Common common;
+  std::string database = "history.sqlite", machine, commit, time, series, html;
+  std::vector<std::string> files;
+  history::WatchOptions watch;
+  std::size_t last = 10;
+};
+
+/// Only like machines are compared: processor, instructions, number of cores.
+std::string MachineClass() {
+  std::string model = "unknown processor", line;
+  std::ifstream information("/proc/cpuinfo");
+  while (std::getline(information, line)) {
+    if (!line.starts_with("model name")) continue;
+    model = line.substr(line.find(':') + 2);
+    break;
+  }
+  return fmt::format("{}, {}, {} cores", model, ToString(DetectCpuClass()), std::thread::hardware_concurrency());
+}
+
+std::string Now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+int Fail(const Failure& failure) {
+  Complain(failure.ToString() + "\n");
+  return failure.exit_code;
+}
+
+int Add(const HistoryArguments& arguments) {
+  static const std::regex iso(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
+  int exit = kGood;
+  if (!arguments.time.empty() && !std::regex_match(arguments.time, iso)) {
+    Complain(fmt::format("--time {}: write 2026-01-31T02:00:00Z\n", arguments.time));
+    exit = kUsage;
+  }
+  std::vector<history::Reading> readings;
+  for (const std::string& file : arguments.files) {
+    std::ifstream stream(file);
+    const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
+    const Result<std::vector<history::Reading>> read =
+        document.is_discarded() ? Failure{.message = stream ? "is no JSON" : "cannot be read", .exit_code = 2}
+                                : history::Readings(document);
+    if (!read.ok()) {
+      Complain(fmt::format("{}: {}\n", file, read.failure().message));
+      exit = kUsage;
+    } else {
+      readings.insert(readings.end(), read->begin(), read->end());
+    }
+  }
+  if (exit != kGood) return exit;  // all files or none
+  Result<history::Store> store = history::Store::Open(arguments.database, true);
+  if (!store.ok()) return Fail(store.failure());
+  const history::Night night{arguments.time.empty() ? Now() : arguments.time,
+                             arguments.commit.empty() ? *BuildProvenance().Text("commit") : arguments.commit,
+                             arguments.machine.empty() ? MachineClass() : arguments.machine};
+  if (Status failed = store->Add(night, readings)) return Fail(*failed);
+  Print(arguments.common, fmt::format("{}: {} readings of {}, commit {}, on {}\n", arguments.database, readings.size(),
+                                      night.time, night.commit, night.machine));
+  return WriteJson(arguments.common, {{"exit", 0},
+                                      {"readings", readings.size()},
+                                      {"time", night.time},
+                                      {"commit", night.commit},
+                                      {"machine", night.machine}});
+}
+
+/// "▁▂▇": the newest values of a series.
+std::string Sparkline(const history::Series& series, std::size_t last) {
+  static const char* const kBars[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const std::size_t from = series.values.size() > last ? series.values.size() - last : 0;
+  double low = INFINITY, high = -INFINITY;
+  for (std::size_t i = from; i < series.values.size(); ++i) {
+    if (!series.values[i]) continue;
+    low = std::min(low, *series.values[i]);
+    high = std::max(high, *series.values[i]);
+  }
+  std::string text;
+  for (std::size_t i = from; i < series.values.size(); ++i) {
+    if (!series.values[i]) {
+      text += "?";
+      continue;
+    }
+    const double share = high > low ? (*series.values[i] - low) / (high - low) : 0.0;
+    text += kBars[static_cast<int>(7.0 * share + 0.5)];
+  }
+  return text;
+}
+
+nlohmann::json ToJson(const History& history, const history::Watch& watch) {
+  nlohmann::json document = {{"exit", watch.exit_code},
+                             {"nights", history.nights.size()},
+                             {"compared", watch.compared},
+                             {"too_short", watch.too_short},
+                             {"findings", nlohmann::json::array()}};
+  for (const Finding& finding : watch.findings) {
+    document["findings"].push_back({{"kind", ToString(finding.kind)},
+                                    {"series", history.series[finding.series].name},
+                                    {"unit", history.series[finding.series].unit},
+                                    {"since", history.nights[finding.night].time},
+                                    {"commit", history.nights[finding.night].commit},
+                                    {"before", finding.before},
+                                    {"after", finding.after},
+                                    {"p", finding.p},
+                                    {"recent", finding.recent}});
+  }
+  return document;
+}
+
+int Show(const HistoryArguments& arguments) {
+  const Result<history::Store> store = history::Store::Open(arguments.database, false);
+  if (!store.ok()) return Fail(store.failure());
+  const Result<History> history = store->Read(arguments.machine);
+  if (!history.ok()) return Fail(history.failure());
+  if (history->nights.empty()) {
+    Complain(fmt::format("{} has no night of machine class \"{}\"\n", arguments.database, arguments.machine));
+    return kUndecided;
+  }
+  Print(arguments.common,
+        fmt::format("{} nights on {}, the last {} of commit {}\n\n", history->nights.size(),
+                    history->nights.back().machine, history->nights.back().time, history->nights.back().commit));
+  nlohmann::json document = {{"exit", 0}, {"series", nlohmann::json::array()}};
+  std::size_t shown = 0;
+  for (const history::Series& series : history->series) {
+    if (series.name.find(arguments.series) == std::string::npos) continue;
+    ++shown;
+    const std::optional<double> newest = series.values.back();
+    Print(arguments.common,
+          fmt::format("{:<70} {:>12} {:<14} {}\n", series.name, newest ? fmt::format("{:.6g}", *newest) : "nothing",
+                      series.unit, Sparkline(series, arguments.last)));
+    nlohmann::json values = nlohmann::json::array();
+    for (const std::optional<double>& value : series.values) values.push_back(value ? nlohmann::json(*value) : nullptr);
+    document["series"].push_back({{"name", series.name}, {"unit", series.unit}, {"values", values}});
+  }
+  if (shown == 0) Complain(fmt::format("no series has \"{}\" in its name\n", arguments.series));
+  int exit = shown == 0 ? kUndecided : kGood;
+  document["exit"] = exit;
+  if (!arguments.html.empty()) {
+    exit = reports::WorseExit(exit,
+                              WriteHtml(arguments.html, reports::TrendPage(*history, Look(*history, arguments.watch))));
+  }
+  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+}
+
+int Check(const HistoryArguments& arguments) {
+  const Result<history::Store> store = history::Store::Open(arguments.database, false);
+  if (!store.ok()) return Fail(store.failure());
+  const Result<History> history = store->Read(arguments.machine);
+  if (!history.ok()) return Fail(history.failure());
+  const history::Watch watch = Look(*history, arguments.watch);
+  for (const Finding& finding : watch.findings) {
+    if (!finding.recent) continue;
+    const history::Series& series = history->series[finding.series];
+    Print(arguments.common,
+          fmt::format("{:<8} {:<64} {:.6g} -> {:.6g} {} since {} (commit {}{})\n", ToString(finding.kind), series.name,
+                      finding.before, finding.after, series.unit == "1" ? "" : series.unit,
+                      history->nights[finding.night].time, history->nights[finding.night].commit,
+                      series.scatters ? fmt::format(", p = {:.1e}", finding.p) : ""));
+  }
+  Print(arguments.common, fmt::format("{} nights, {} series compared, {} too short yet\n", history->nights.size(),
+                                      watch.compared, watch.too_short));
+  if (watch.compared == 0) Complain("nothing could be compared: a history needs two nights, times need some twenty\n");
+  int exit = watch.exit_code;
+  if (!arguments.html.empty())
+    exit = reports::WorseExit(exit, WriteHtml(arguments.html, reports::TrendPage(*history, watch)));
+  return reports::WorseExit(exit, WriteJson(arguments.common, ToJson(*history, watch)));
+}
+
+void AddDatabase(CLI::App& command, HistoryArguments& arguments) {
+  command.add_option("--db", arguments.database, "the history, an SQLite file")->capture_default_str();
+  command.add_option(
+      "--machine", arguments.machine,
+      "class of machine; only like machines are compared (add: default this one; else that of the last night)");
+  AddCommon(command, arguments.common);
+}
+
+void AddWatch(CLI::App& command, HistoryArguments& arguments) {
+  command.add_option("--recent", arguments.watch.recent, "nights after which a change is no finding any more")
+      ->capture_default_str();
+  command.add_option("--alpha", arguments.watch.alpha, "chance of one false finding among all times")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str();
+  command.add_option("--html", arguments.html, "write the trend page");
+}
+
+}  // namespace
+
+void AddHistory(CLI::App& program, int& exit) {
+  auto arguments = std::make_shared<HistoryArguments>();
+  CLI::App* command = program.add_subcommand("history", "the nightly record and its change points");
+  command->require_subcommand(1);
+  AddExamples(*command,
+              "  dynoproof history add out/run.json out/bench.json\n"
+              "  dynoproof history show --series budget --html out/trend.html\n"
+              "  dynoproof history check --recent 10");
+  CLI::App* add = command->add_subcommand("add", "add the figures of JSON results to a night");
+  add->add_option("files", arguments->files, "JSON of run, bench, ci/check_budgets.py or a Google Benchmark program")
+      ->required();
+  add->add_option("--commit", arguments->commit, "what was measured (default: this program's commit)");
+  add->add_option("--time", arguments->time, "when, 2026-01-31T02:00:00Z (default: now)");
+  AddDatabase(*add, *arguments);
+  AddExamples(*add, "  dynoproof history add out/nightly/run.json out/nightly/bench.json out/nightly/budgets.json");
+  add->callback([arguments, &exit] { exit = Add(*arguments); });
+  CLI::App* show = command->add_subcommand("show", "the newest value and course of every series");
+  show->add_option("--series", arguments->series, "only those with this text in their name");
+  show->add_option("--last", arguments->last, "nights in the little curves")->capture_default_str();
+  AddDatabase(*show, *arguments);
+  AddWatch(*show, *arguments);
+  AddExamples(*show, "  dynoproof history show --series suppression/adaptive --html out/trend.html");
+  show->callback([arguments, &exit] { exit = Show(*arguments); });
+  CLI::App* check = command->add_subcommand(
+      "check",
+      "find level changes; ends with 1 (a score is worse, a reading is missing), 5 (a cost is), 4 (nothing compared)");
+  AddDatabase(*check, *arguments);
+  AddWatch(*check, *arguments);
+  AddExamples(*check, "  dynoproof history check --html out/trend.html --json -");
+  check->callback([arguments, &exit] { exit = Check(*arguments); });
+}
+
+}  // namespace dynoproof::app
