@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
     "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
     "history": ["score", "base"],
-    "reports": ["history", "experiment", "score", "trace", "model", "mechanics", "base"],
+    "reports": ["history", "diagnosis", "experiment", "score", "trace", "model", "mechanics", "base"],
     "app": ["reports", "history", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
 }
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}

@@ -25,9 +25,13 @@ step tidy ./ci/presubmit.sh --all
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
-step budgets ./ci/check_budgets.py
+step budgets ./ci/check_budgets.py --time --json out/nightly/budgets.json
 step bench ./build/dynoproof bench --json out/nightly/bench.json
 step robustness ./build/bench/robustness --runs 1050 --jobs "$(nproc)" --worst --json out/nightly/robustness.json
 step robustness-probing ./build/bench/robustness --runs 350 --jobs "$(nproc)" --probe 0.0005 --json out/nightly/robustness_probing.json
 step blind ./build/tests/blind_suite build/dynoproof --cases 150 --seed "$(date +%Y%m%d)" --out out/nightly/blind --json out/nightly/blind.json
+history=${DYNOPROOF_HISTORY:-history.sqlite}
+step history-add ./build/dynoproof history add --db "$history" out/nightly/run.json out/nightly/bench.json out/nightly/budgets.json
+step history-check ./build/dynoproof history check --db "$history" --html out/nightly/trend.html
+step gate-proved ./bench/ab.py --prove build --json out/nightly/gate.json
 exit $failed

@@ -8,9 +8,8 @@ cd "$(dirname "$0")/.."
 [ $# -ge 1 ] || { echo "usage: ci/perf_gate.sh BASE [--json FILE] [--markdown FILE]" >&2; exit 2; }
 base=$(git rev-parse --verify --quiet "$1^{commit}") || { echo "perf_gate: $1 is no commit here" >&2; exit 2; }
 shift
-benchmarks=(core_bench propagator_bench)
 ./ci/setup.sh
-./ci/build.sh build "${benchmarks[@]}"
+./ci/build.sh build core_bench
 tree=build-base/tree
 if git diff --quiet "$base" -- CMakeLists.txt engine bench; then
   echo "perf_gate: the sources of $base are these; both sides run this build"
@@ -21,7 +20,7 @@ else
   git worktree prune
   git worktree add --quiet --detach "$tree" "$base"
   trap 'git worktree remove --force "$tree"' EXIT
-  (cd "$tree" && ./ci/build.sh ../build "${benchmarks[@]}")
+  (cd "$tree" && ./ci/build.sh ../build core_bench)
   base_build=build-base/build
 fi
 # Not exec: the worktree must go.

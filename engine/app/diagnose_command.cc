@@ -9,14 +9,17 @@
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/look.h"
 #include "diagnosis/report.h"
+#include "reports/diagnosis_page.h"
+#include "reports/run_report.h"
 
 namespace dynoproof::app {
 namespace {
 
 struct DiagnoseArguments {
   Common common;
-  std::string scenario, out = "out";
+  std::string scenario, out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
   bool strict = false, resume = false;
 };
@@ -82,9 +85,18 @@ int Diagnose(const DiagnoseArguments& arguments) {
   const bool open =
       result->verdict == diagnosis::Verdict::kAmbiguous || result->verdict == diagnosis::Verdict::kUnexplained;
   const int exit = arguments.strict && open ? kUndecided : kGood;
+  int written = kGood;
+  if (!arguments.html.empty()) {
+    const Result<std::vector<Picture>> pictures =
+        diagnosis::Look(measured->plan, measured->data, result->extended_scenario, *registry);
+    if (!pictures.ok()) Complain(pictures.failure().ToString() + "\n");
+    written = WriteHtml(arguments.html, reports::DiagnosisPage(measured->plan.id, arguments.data, *result,
+                                                               pictures.ok() ? *pictures : std::vector<Picture>()));
+    if (!pictures.ok()) written = kBroken;
+  }
   nlohmann::json document = diagnosis::ToJson(*result);
   document["exit"] = exit;
-  return std::max(exit == kUndecided ? 0 : exit, WriteJson(arguments.common, document)) != kGood ? kBroken : exit;
+  return reports::WorseExit(reports::WorseExit(exit, written), WriteJson(arguments.common, document));
 }
 
 }  // namespace
@@ -104,6 +116,7 @@ void AddDiagnose(CLI::App& program, int& exit) {
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
   command->add_option("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
+  command->add_option("--html", arguments->html, "write a page that shows all of it");
   command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);

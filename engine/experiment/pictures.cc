@@ -350,6 +350,36 @@ void AddComparisons(const Prepared& prepared, const Course& course, CheckContext
   comparisons.Finish(pictures);
 }
 
+void AddTiming(const Course& course, RunPictures& pictures) {
+  Curve counts;
+  counts.label = "periods";
+  counts.style = Curve::Style::kHold;
+  const auto& bins = course.times.counts;
+  const auto bin_us = [](int bin) {
+    return 1e6 * StepTimes::kLeast_s * std::pow(10.0, static_cast<double>(bin) / StepTimes::kBinsPerDecade);
+  };
+  int first = StepTimes::kBins, last = -1;
+  for (int i = 0; i < StepTimes::kBins; ++i) {
+    if (bins[i] == 0) continue;
+    first = std::min(first, i);
+    last = i;
+  }
+  if (last < 0) return;
+  for (int i = std::max(0, first - 1); i <= last + 1; ++i) {
+    counts.x.push_back(bin_us(i));
+    counts.y.push_back(i < StepTimes::kBins ? static_cast<double>(bins[i]) : 0.0);
+  }
+  Picture picture{.key = "timing",
+                  .title = "Time of a period",
+                  .note =
+                      "on the machine of this run, with whatever else it was doing: a look, no verdict; `dynoproof "
+                      "bench` judges",
+                  .x = {"time of a period", "us", true},
+                  .y = {"periods", "1"}};
+  picture.curves.push_back(std::move(counts));
+  pictures.pictures.push_back(std::move(picture));
+}
+
 RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckContext* context) {
   RunPictures pictures;
   AddCourses(prepared, course, pictures);
@@ -359,6 +389,7 @@ RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckCont
   AddResponses(prepared, course, pictures);
   AddCouplings(prepared, pictures);
   AddLoop(prepared, course, pictures);
+  AddTiming(course, pictures);
   return pictures;
 }
 

@@ -68,5 +68,6 @@ void AddResponses(const Prepared& prepared, const Course& course, RunPictures& p
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddCouplings(const Prepared& prepared, RunPictures& pictures);
 void AddLoop(const Prepared& prepared, const Course& course, RunPictures& pictures);
+void AddTiming(const Course& course, RunPictures& pictures);
 
 }  // namespace dynoproof

@@ -99,15 +99,16 @@ trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
   return trace;
 }
 
-Result<Course> Play(const Prepared& prepared, const Progress& progress) {
+Result<Course> Play(const Prepared& prepared, const Progress& progress, bool timed) {
   const Rig& rig = *prepared.rig;
   const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
   if (!solver.ok()) return solver.failure();
-  Result<Samples> samples = Simulate(rig, **solver, progress);
+  StepTimes times;
+  Result<Samples> samples = Simulate(rig, **solver, progress, timed ? &times : nullptr);
   if (!samples.ok()) return samples.failure();
   trace::Trace trace = MakeTrace(prepared, *samples);
   if (Status failed = AddVariants(prepared, trace)) return *failed;
-  return Course{std::move(*samples), std::move(trace)};
+  return Course{std::move(*samples), std::move(trace), times};
 }
 
 ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) {
@@ -129,7 +130,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.verdict = score::Combine(result.checks);
     return result;
   }
-  const Result<Course> course = Play(prepared, options.progress);
+  const Result<Course> course = Play(prepared, options.progress, options.seen != nullptr);
   if (!course.ok()) return broken(course.failure());
   result.counters = course->samples.counters;
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();

@@ -30,6 +30,7 @@ struct ScenarioResult {
 struct Course {
   Samples samples;
   trace::Trace trace;
+  StepTimes times = {};  // of its periods, where they were asked for
 };
 
 struct RunOptions {
@@ -44,7 +45,7 @@ struct RunOptions {
 ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options);
 
 /// The simulation alone: no file, no checks. Outputs of variants are OUTPUT_VARIANT.
-Result<Course> Play(const Prepared& prepared, const Progress& progress = {});
+Result<Course> Play(const Prepared& prepared, const Progress& progress = {}, bool timed = false);
 
 /// The trace of a run: commands, samples, hull of the analysed output, resolved scenario, provenance.
 trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples);

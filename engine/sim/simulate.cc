@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "base/subnormals.h"
@@ -109,7 +111,13 @@ Status Simulation::Integrate() {
   return {};
 }
 
-Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progress) {
+void StepTimes::Add(double duration_s) {
+  const double bin = kBinsPerDecade * std::log10(std::max(duration_s, kLeast_s) / kLeast_s);
+  ++counts[std::min(kBins - 1, static_cast<int>(bin))];
+}
+
+Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progress, StepTimes* times) {
+  using Clock = std::chrono::steady_clock;
   const FlushSubnormals flush;
   Samples samples;
   const auto rows = static_cast<std::size_t>(rig.steps) + 1;
@@ -120,12 +128,14 @@ Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progres
   if (Status failed = simulation.Start()) return *failed;
   const std::int64_t report = std::max<std::int64_t>(1, rig.steps / 200);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
+    const Clock::time_point begin = times != nullptr ? Clock::now() : Clock::time_point();
     if (Status failed = simulation.Tick()) return *failed;
     samples.time[step] = Seconds(simulation.frame().time);
     for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i][step] = simulation.InputCommand(i);
     for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i][step] = simulation.OutputSample(i);
     if (step == rig.steps) break;
     if (Status failed = simulation.Integrate()) return *failed;
+    if (times != nullptr) times->Add(std::chrono::duration<double>(Clock::now() - begin).count());
     if (progress && step % report == 0 && !progress(static_cast<double>(step) / static_cast<double>(rig.steps))) {
       return Failure{"interrupted", rig.id, Seconds(simulation.frame().time)};
     }

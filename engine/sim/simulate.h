@@ -13,6 +13,8 @@
 // Row k of a trace thus holds what was measured at t_k and what was commanded from t_k on.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -60,10 +62,19 @@ class Simulation {
   Frame frame_;
 };
 
+/// How long the periods of a run took on this machine, for a look at them: counts on a logarithmic scale. Never part of
+/// a result, a trace or a verdict.
+struct StepTimes {
+  static constexpr int kBinsPerDecade = 20, kBins = 6 * kBinsPerDecade;
+  static constexpr double kLeast_s = 1e-8;
+  std::array<std::int64_t, kBins> counts = {};  // bin i begins at kLeast_s 10^(i / kBinsPerDecade)
+  void Add(double duration_s);
+};
+
 /// Called now and then with the fraction done; false stops the run (it then fails with "interrupted").
 using Progress = std::function<bool(double)>;
 
 /// Runs the rig from start to end.
-Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progress = {});
+Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progress = {}, StepTimes* times = nullptr);
 
 }  // namespace dynoproof

@@ -40,7 +40,8 @@ class Measured : public ::testing::Test {
   void Write() { ASSERT_FALSE(trace::WriteCsv(bench_ / "record.csv", columns_)); }
   Outcome Call(std::vector<std::string> arguments) { return bench_.Call(arguments); }
   nlohmann::json Diagnosed() {
-    return bench_.Json({"diagnose", "line.toml", "--data", "record.csv", "--out", "found"});
+    return bench_.Json(
+        {"diagnose", "line.toml", "--data", "record.csv", "--out", "found", "--html", "found/page.html"});
   }
 
   Bench bench_;
@@ -66,6 +67,10 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   EXPECT_GT(ci[1], 0.3);
   EXPECT_GT(result["gain"]["holdout"]["T_shaft"]["gain_ci95"][0], 0.0);
   EXPECT_EQ(Call({"validate", "found/extended.toml"}).exit, 0);
+  const std::string page = ReadBytes(bench_ / "found/page.html");
+  for (const char* text :
+       {"inertia_change", "measured - simulated", "mean residual over", "What was considered", "extended"})
+    EXPECT_THAT(page, HasSubstr(text));
 }
 
 TEST_F(Measured, IdentifyFindsTheNumber) {

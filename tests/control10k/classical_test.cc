@@ -20,6 +20,7 @@ struct Case {
   double bias_Hz;  // what the law leaves on a clean tone
   const char* name;
 };
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 // mu: so that each needs some thousand samples. The complex notch hears a real tone as two, which shifts it; the pair
 // swings by its increment over the samples that it looks back.
 const Case kCases[] = {{ClassicalLaw::kComplexGradient, 0.01, 0.98, 15.0, "complex_gradient"},

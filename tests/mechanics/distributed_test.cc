@@ -116,6 +116,7 @@ struct Case {
   const char* name;
   HybridRotor rotor;
 };
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 
 class Convergence : public testing::TestWithParam<Case> {};
 

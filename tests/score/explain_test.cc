@@ -87,6 +87,7 @@ struct Hidden {
   std::vector<Cause> right;
   Spoil spoil;
 };
+void PrintTo(const Hidden& hidden, std::ostream* out) { *out << hidden.name; }
 
 // The reference shifted by a part of a sample.
 void Late(Case& c) {

@@ -1,0 +1,129 @@
+#include "reports/diagnosis_page.h"
+
+#include <fmt/format.h>
+
+#include "reports/html.h"
+
+namespace dynoproof::reports {
+namespace {
+
+using diagnosis::Diagnosis;
+
+std::string Number(double value) { return fmt::format("{:.4g}", value); }
+std::string Unit(const std::string& unit) { return unit == "1" ? "" : Escape(unit); }
+
+std::string Spans(const std::vector<std::pair<double, double>>& spans) {
+  std::string text;
+  for (const auto& [from, to] : spans) text += fmt::format("{}{:.4g} ... {:.4g}", text.empty() ? "" : ", ", from, to);
+  return text.empty() ? "no part in particular" : text;
+}
+
+std::string Causes(const Diagnosis& d) {
+  if (d.effects.empty()) return "";
+  std::string rows;
+  for (const diagnosis::FoundEffect& effect : d.effects) {
+    for (const diagnosis::FoundParameter& parameter : effect.parameters) {
+      rows +=
+          Row(std::vector<Cell>{{Escape(effect.name), "key"},
+                                {Escape(effect.at)},
+                                {fmt::format("{:.1f} %", 100.0 * effect.confidence), "number"},
+                                {Escape(parameter.name)},
+                                {Number(parameter.value), "number"},
+                                {fmt::format("{} ... {}", Number(parameter.lower), Number(parameter.upper)), "number"},
+                                {Unit(parameter.unit)}});
+    }
+  }
+  return "<h2>Cause</h2>\n" + Table(std::vector<Cell>{{"effect"},
+                                                      {"at"},
+                                                      {"confidence", "number"},
+                                                      {"parameter"},
+                                                      {"value", "number"},
+                                                      {"95 % interval", "number"},
+                                                      {"unit"}},
+                                    rows);
+}
+
+std::string Gains(const Diagnosis& d) {
+  std::string rows;
+  for (const auto& [what, gains] : {std::pair("training", &d.train), std::pair("hold-out", &d.holdout)}) {
+    for (const auto& [signal, gain] : *gains) {
+      rows += Row(std::vector<Cell>{
+          {what},
+          {Escape(signal), "key"},
+          {Number(gain.before), "number"},
+          {Number(gain.after), "number"},
+          {what[0] == 'h' ? fmt::format("{} ... {}", Number(gain.lower), Number(gain.upper)) : "–", "number"}});
+    }
+  }
+  if (rows.empty()) return "";
+  return "<h2>Gain</h2>\n" +
+         Table(std::vector<Cell>{{"data"},
+                                 {"signal"},
+                                 {"NRMSE before", "number"},
+                                 {"after", "number"},
+                                 {"gain, 95 % interval", "number"}},
+               rows) +
+         fmt::format("<p class=\"source\">{}</p>\n",
+                     d.own_holdout ? "The hold-out records were opened once, after the choice."
+                                   : "No hold-out record was given: the last 30 % of the data were kept for it.");
+}
+
+std::string Considerations(const Diagnosis& d) {
+  std::string rows;
+  for (const diagnosis::Considered& one : d.considered) {
+    rows += Row(std::vector<Cell>{{Escape(one.name), "key"},
+                                  {Escape(one.at)},
+                                  {Number(one.validation_nrmse), "number"},
+                                  {Escape(one.why_not), "wide"}});
+  }
+  std::string seen;
+  for (const diagnosis::Seen& one : d.would_have_seen) {
+    seen += Row(std::vector<Cell>{
+        {Escape(one.name), "key"}, {Escape(one.at)}, {Number(one.smallest), "number"}, {Unit(one.unit)}});
+  }
+  std::string html;
+  if (!rows.empty()) {
+    html += "<h2>What was considered, and why not</h2>\n" +
+            Table(std::vector<Cell>{{"effect"}, {"at"}, {"NRMSE on validation", "number"}, {"why not"}}, rows);
+  }
+  if (!seen.empty()) {
+    html += "<h2>What would have been seen</h2>\n" +
+            Table(std::vector<Cell>{{"effect"}, {"at"}, {"smallest", "number"}, {"unit"}}, seen);
+  }
+  return html;
+}
+
+}  // namespace
+
+std::string DiagnosisPage(const std::string& scenario, const std::vector<std::string>& records, const Diagnosis& d,
+                          const std::vector<Picture>& pictures) {
+  const std::string verdict = ToString(d.verdict);
+  const bool settled = d.verdict == diagnosis::Verdict::kEffectFound || d.verdict == diagnosis::Verdict::kNoEffect;
+  std::string body = fmt::format("<p><span class=\"verdict {}\">{}</span> {}</p>\n", settled ? "pass" : "inconclusive",
+                                 verdict, Escape(d.reason));
+  std::string files;
+  for (const std::string& record : records) files += (files.empty() ? "" : ", ") + record;
+  body += fmt::format("<p class=\"source\">scenario {}, records {}; {} simulations</p>\n", Escape(scenario),
+                      Escape(files), d.simulations);
+  for (const std::string& note : d.notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
+  body += Causes(d);
+  for (const auto& set : d.ambiguous_with) {
+    std::string names;
+    for (const std::string& name : set) names += (names.empty() ? "" : ", ") + name;
+    body += fmt::format("<p>These data cannot tell apart: {}.</p>\n", Escape(names));
+  }
+  if (!d.experiment_text.empty()) body += fmt::format("<p>What would: {}</p>\n", Escape(d.experiment_text));
+  if (!d.extended_scenario.empty())
+    body += fmt::format("<p>Extended scenario: <code>{}</code></p>\n", Escape(d.extended_scenario));
+  body += Gains(d);
+  body += fmt::format(
+      "<h2>Where it is wrong</h2>\n<p>Most in {}; from {} s; at {} Hz; {}.</p>\n<p>What is left {} the noise floor "
+      "(NRMSE {}).</p>\n",
+      Escape(d.where.signal), Spans(d.where.when_s), Spans(d.where.frequency_hz), Escape(d.where.condition),
+      d.at_noise_floor ? "is at" : "is above", Number(d.noise_floor));
+  if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
+  body += Considerations(d);
+  return Page("dynoproof: diagnosis", "", body);
+}
+
+}  // namespace dynoproof::reports
