@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # The long campaigns: the whole suite under the sanitizers, with clang++, at -O2 and -O3, with and without FMA; clang-tidy
-# over everything; the benchmarks beside their peers. Results go to out/nightly/. Needs clang, valgrind; SciPy and Octave
-# take part where they are installed.
+# over everything; margins of all checks and their spread over the builds; the benchmarks beside their peers. Results go to
+# out/nightly/. Needs clang, valgrind; SciPy and Octave take part where they are installed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p out/nightly
+rm -f out/nightly/run*.json  # what an earlier night left must not be compared
 failed=0
 step() {  # step NAME COMMAND...
   local name=$1
@@ -23,6 +24,16 @@ step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
 step tidy ./ci/presubmit.sh --all
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
+step margins ./ci/margins.py out/nightly/run.json
+cat out/nightly/margins.log
+builds=(out/nightly/run.json)  # the same scenarios from other compilers and options: same verdicts, and how far apart
+for name in O3 fma clang; do
+  [ "$name" != clang ] || command -v clang++ >/dev/null || continue
+  step "run-$name" "./build-$name/dynoproof" run --out "out/nightly/$name" --json "out/nightly/run-$name.json"
+  builds+=("out/nightly/run-$name.json")
+done
+step spread ./ci/spread.py "${builds[@]}"
+cat out/nightly/spread.log
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py
