@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # The long campaigns: the whole suite under the sanitizers, with clang++, at -O2 and -O3, with and without FMA; clang-tidy
-# over everything; the benchmarks beside their peers. Results go to out/nightly/. Needs clang, valgrind; SciPy and Octave
-# take part where they are installed.
+# over everything; margins of all checks and their spread over the builds; the benchmarks beside their peers. Results go to
+# out/nightly/. Needs clang, valgrind; SciPy and Octave take part where they are installed.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p out/nightly
+rm -f out/nightly/run*.json  # what an earlier night left must not be compared
 failed=0
 step() {  # step NAME COMMAND...
   local name=$1
@@ -23,6 +24,16 @@ step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
 step tidy ./ci/presubmit.sh --all
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
+step margins ./ci/margins.py out/nightly/run.json
+cat out/nightly/margins.log
+builds=(out/nightly/run.json)  # the same scenarios from other compilers and options: same verdicts, and how far apart
+for name in O3 fma clang; do
+  [ "$name" != clang ] || command -v clang++ >/dev/null || continue
+  step "run-$name" "./build-$name/dynoproof" run --out "out/nightly/$name" --json "out/nightly/run-$name.json"
+  builds+=("out/nightly/run-$name.json")
+done
+step spread ./ci/spread.py "${builds[@]}"
+cat out/nightly/spread.log
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py --time --json out/nightly/budgets.json
@@ -30,8 +41,5 @@ step bench ./build/dynoproof bench --json out/nightly/bench.json
 step robustness ./build/bench/robustness --runs 1050 --jobs "$(nproc)" --worst --json out/nightly/robustness.json
 step robustness-probing ./build/bench/robustness --runs 350 --jobs "$(nproc)" --probe 0.0005 --json out/nightly/robustness_probing.json
 step blind ./build/tests/blind_suite build/dynoproof --cases 150 --seed "$(date +%Y%m%d)" --out out/nightly/blind --json out/nightly/blind.json
-history=${DYNOPROOF_HISTORY:-history.sqlite}
-step history-add ./build/dynoproof history add --db "$history" out/nightly/run.json out/nightly/bench.json out/nightly/budgets.json
-step history-check ./build/dynoproof history check --db "$history" --html out/nightly/trend.html
 step gate-proved ./bench/ab.py --prove build --json out/nightly/gate.json
 exit $failed

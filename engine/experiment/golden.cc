@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "experiment/check_kinds.h"
 #include "experiment/why.h"
 #include "scenario/load.h"
@@ -175,7 +176,10 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
     score::Check check = score::TubeCheck(score::CompareTube(golden, run, options), name, tolerance.origin);
     check.kind = kind == "golden" ? "tube" : kind;
     if (check.verdict != score::Verdict::kPass && score::FaultOf(run, "run").empty()) {
-      check.explanation = Why(golden, run, tolerance.relative_width * want.nominal, want.unit);
+      // All samples of the run: they show a delay that is shorter than the thinned trace's step.
+      const score::Series all{test_times, have->values, ToScore(have->interpolation)};
+      const bool sound = score::FaultOf(all, "run").empty();
+      check.explanation = Why(golden, sound ? all : run, tolerance.relative_width * want.nominal, want.unit);
     }
     checks.push_back(std::move(check));
   }
@@ -202,6 +206,20 @@ std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::
     checks.push_back(std::move(check));
   }
   return checks;
+}
+
+Result<std::string> KeepGolden(const std::string& id, bool fell_short, const std::string& trace_file,
+                               const std::string& kept) {
+  std::error_code error;
+  fs::remove(kept, error);
+  const fs::path golden = fs::path(GoldenFolder()) / id;
+  const std::string file = golden.string() + ".h5";
+  if (!fell_short || !fs::exists(file, error)) return std::string();
+  const std::optional<std::string> bytes = ReadTextFile(file);
+  if (!bytes) return Failure{"cannot be read", file};
+  if (Status failed = WriteFileAtomically(kept, *bytes)) return *failed;
+  return fmt::format("this run: {0}, the golden one: {1}; dynoproof compare {1} {0} --tolerance {2}.toml", trace_file,
+                     kept, golden.string());
 }
 
 Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason) {

@@ -56,6 +56,12 @@ trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
 /// or unreadable golden file is a failed check.
 std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::Trace& run);
 
+/// Where a run fell short of its golden trace: copies that to `kept`, so that the two lie side by side wherever the
+/// output goes. Otherwise removes what an earlier run left there. Nothing to do for a golden trace that does not exist.
+/// @return a note that names both and the command that compares them; empty when there is nothing to compare.
+Result<std::string> KeepGolden(const std::string& id, bool fell_short, const std::string& trace_file,
+                               const std::string& kept);
+
 /// Writes golden/<id>.{h5,toml} from a run. Tolerances that stand there already are kept.
 Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason);
 

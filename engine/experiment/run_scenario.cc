@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "base/cpu.h"
 #include "experiment/analysis.h"
 #include "experiment/build_info.h"
+#include "experiment/golden.h"
 #include "experiment/measured_record.h"
 #include "scenario/load.h"
 #include "score/hull.h"
@@ -163,6 +165,13 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   } else if (result.checks.empty()) {
     result.notes.push_back("the scenario states no checks: nothing was compared");
   }
+  const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
+    return check.name.starts_with("golden") && check.verdict != score::Verdict::kPass;
+  });
+  const Result<std::string> note = KeepGolden(
+      result.id, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
+  if (!note.ok()) return broken(note.failure());
+  if (!note->empty()) result.notes.push_back(*note);
   const bool inputs_alone = data != nullptr && result.checks.empty();
   result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
   if (options.seen) options.seen(*course, context, result);

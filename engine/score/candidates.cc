@@ -23,6 +23,10 @@ std::string WithUnit(double value, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
 }
 
+std::string ShiftText(double shift_s) {
+  return fmt::format("{} by {:.4g} ms", shift_s > 0.0 ? "late" : "early", 1e3 * std::abs(shift_s));
+}
+
 Candidate Fixed(const Pair& pair, Cause cause, double sign, bool magnitude_only, std::string text) {
   Candidate c;
   c.cause = cause;
@@ -56,9 +60,7 @@ void AddFit(const Pair& pair, const std::string& unit, const FitFreedom& freedom
     c.quantities.push_back({name, value, std::move(its_unit)});
     c.text += (c.text.empty() ? "" : ", ") + std::move(text);
   };
-  if (freedom.shift)
-    add("shift", fit.shift_s, "s",
-        fmt::format("{} by {:.4g} ms", fit.shift_s > 0 ? "late" : "early", 1e3 * std::abs(fit.shift_s)));
+  if (freedom.shift) add("shift", fit.shift_s, "s", ShiftText(fit.shift_s));
   if (freedom.gain) {
     add("gain", fit.gain, "1", fmt::format("gain {:.4g}{}", fit.gain, fit.gain < 0.0 ? " (sign flipped)" : ""));
   }
@@ -125,6 +127,47 @@ void AddScalings(const Pair& pair, const std::string& unit, Candidates& out) {
   mirrored.quantities.push_back({"offset", level, unit});
   mirrored.text = "sign flipped about " + WithUnit(0.5 * level, unit);
   out.push_back(std::move(mirrored));
+}
+
+void AddFineShift(const Pair& pair, const Series& test, Candidates& out) {
+  const double fine = MedianStep(test.time_s);
+  if (!(fine < 0.5 * pair.step_s)) return;
+  constexpr std::size_t kReach = 2;  // samples of the reference, kept free at both ends
+  if (pair.x.size() < 8 * kReach) return;
+  const std::size_t count = pair.x.size() - 2 * kReach;
+  const std::span<const double> x = std::span(pair.x).subspan(kReach, count);
+  const double unshifted = SumOfSquares(std::span(pair.d).subspan(kReach, count));
+  // A millionth of a step later, so that a held value is not taken from before its sample by round-off.
+  const auto residual = [&](double shift_s) {
+    std::vector<double> times(count);
+    for (std::size_t i = 0; i < count; ++i)
+      times[i] = pair.start_s + pair.step_s * Num(kReach + i) + shift_s + 1e-6 * fine;
+    std::vector<double> left = SampleAt(test, times);
+    for (std::size_t i = 0; i < count; ++i) left[i] -= x[i];
+    return left;
+  };
+  const int reach = static_cast<int>(kReach * pair.step_s / fine) - 1;
+  std::vector<double> squares;
+  for (int j = -reach; j <= reach; ++j) squares.push_back(SumOfSquares(residual(j * fine)));
+  const auto best = std::min_element(squares.begin(), squares.end()) - squares.begin();
+  if (best == 0 || best == std::ssize(squares) - 1 || !(squares[best] < unshifted)) return;
+  // Between two of the test's samples: the vertex of the parabola through the least three.
+  const double before = squares[best - 1], after = squares[best + 1], bend = before - 2.0 * squares[best] + after;
+  double shift = fine * static_cast<double>(best - reach);
+  Candidate c;
+  c.residual = residual(shift);
+  const double between = shift + (bend > 0.0 ? 0.5 * fine * (before - after) / bend : 0.0);
+  if (std::vector<double> left = residual(between); SumOfSquares(left) < squares[best]) {
+    c.residual = std::move(left);
+    shift = between;
+  }
+  c.cause = Cause::kShift;
+  c.complexity = 1;
+  c.unexplained = SumOfSquares(c.residual) / unshifted;
+  c.first = kReach;
+  c.quantities = {{"shift", shift, "s"}};
+  c.text = ShiftText(shift);
+  out.push_back(std::move(c));
 }
 
 double RelationToReference(const Pair& pair, std::span<const double> residual, std::size_t first) {

@@ -33,6 +33,10 @@ using Candidates = std::vector<Candidate>;
 /// Gain, offset, shift and their combinations, sign flips, drift.
 void AddScalings(const Pair& pair, const std::string& unit, Candidates& out);
 
+/// A shift too fine for the reference's samples to show, of a test that is sampled more densely: up to two samples of
+/// the reference, with `start_s` and `step_s` of the pair as its time base.
+void AddFineShift(const Pair& pair, const Series& test, Candidates& out);
+
 /// A difference that decays from the start: an exponential, or up to three ringing modes.
 void AddStartValue(const Pair& pair, const std::string& unit, Candidates& out);
 

@@ -163,6 +163,7 @@ Explanation Explain(const Series& reference, const Series& test, const ExplainOp
 
   Candidates candidates;
   AddScalings(pair, options.unit, candidates);
+  AddFineShift(pair, test, candidates);
   AddStartValue(pair, options.unit, candidates);
   AddEvents(pair, options, candidates);
   const Candidate* chosen = Choose(pair, candidates, options.least_explained);

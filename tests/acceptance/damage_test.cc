@@ -137,7 +137,9 @@ TEST_F(Golden, IsBlessedWithAReasonAndThenHolds) {
   EXPECT_THAT(before.out, HasSubstr("dynoproof bless line"));
   const Outcome blessed = Bless({"--reason", "first trace"}, options_);
   ASSERT_EQ(blessed.exit, 0) << blessed.Both();
-  EXPECT_THAT(ReadBytes(bench_ / "golden/line.toml"), HasSubstr("first trace"));
+  const std::string words = ReadBytes(bench_ / "golden/line.toml");
+  for (const char* word : {"first trace", "[provenance]", "commit = ", "compiler = ", "cpu = "})
+    EXPECT_THAT(words, HasSubstr(word));
   EXPECT_LE(fs::file_size(golden()), 200'000u);
   const Outcome after = Run();
   EXPECT_EQ(after.exit, 0) << after.Both();
@@ -237,6 +239,28 @@ TEST_F(Golden, OfARunThatIsShortIsAFailure) {
   ASSERT_EQ(Bless({"--reason", "r"}, options_).exit, 0);
   EXPECT_EQ(Run({"--set", "run.duration_s=0.04"}).exit, 1);
   EXPECT_EQ(Run({"--set", "run.duration_s=0.06"}).exit, 1);
+}
+
+TEST_F(Golden, LiesBesideTheTraceOfARunThatFallsShortOfIt) {
+  ASSERT_EQ(Bless({"--reason", "r"}, options_).exit, 0);
+  const Outcome run = Run({"--set", "plant.inertia.I3=0.501", "--html", "report.html"});
+  EXPECT_EQ(run.exit, 1) << run.Both();
+  const fs::path kept = bench_ / "out/line.golden.h5";
+  ASSERT_TRUE(fs::exists(kept));
+  EXPECT_TRUE(ReadBytes(kept) == ReadBytes(golden()));
+  const std::string tolerances = (bench_ / "golden/line.toml").string();
+  const std::string command = "dynoproof compare out/line.golden.h5 out/line.h5 --tolerance " + tolerances;
+  EXPECT_THAT(run.out, HasSubstr(command));
+  const std::string page = ReadBytes(bench_ / "report.html");
+  for (const std::string text : {"T_shaft leaves the tube around the golden trace", command.c_str()}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
+  const Outcome compared =
+      bench_.Call({"compare", "out/line.golden.h5", "out/line.h5", "--tolerance", tolerances}, options_);
+  EXPECT_EQ(compared.exit, 1) << compared.Both();
+  EXPECT_THAT(compared.out, HasSubstr("T_shaft"));
+  EXPECT_EQ(Run().exit, 0);
+  EXPECT_FALSE(fs::exists(kept)) << "nothing of an earlier failure stays";
 }
 
 TEST_F(Golden, CutShortIsAFailure) {

@@ -342,5 +342,40 @@ INSTANTIATE_TEST_SUITE_P(Explain, OutsideCause, testing::ValuesIn(kOutside), [](
   return name;
 });
 
+// A reference that was thinned to every 31st sample shows nothing of a delay by one sample; the test does, which has
+// all.
+TEST(ExplainFineShift, FindsADelayOfOneSampleBehindAThinnedReference) {
+  constexpr double kFine = 1e-4;
+  const auto law = [](double t) { return std::sin(2 * kPi * (5.0 * t + 60.0 * t * t)) + 0.3 * std::cos(411.0 * t); };
+  Signal thin;
+  for (std::size_t i = 0; i < 30'000; i += 31) {
+    thin.t.push_back(kFine * static_cast<double>(i));
+    thin.v.push_back(law(thin.t.back()));
+  }
+  for (const double samples : {1.0, -1.0, 7.0, 0.5}) {
+    const Signal late = Sampled(30'000, kFine, [&](double t) { return law(t - samples * kFine); });
+    const Explanation found = Explain(thin.View(), late.View());
+    EXPECT_EQ(found.cause, Cause::kShift) << samples << ": " << found.text;
+    EXPECT_NEAR(found.magnitude, samples * kFine, 0.01 * kFine) << samples;
+    // Between two samples the straight line errs by up to (w h)^2 / 8 at w = 2 pi 360 Hz, of a difference of w h / 2.
+    EXPECT_GT(found.explained, samples == 0.5 ? 0.995 : 0.99999) << samples;
+  }
+  // Held values, as of a command: whole samples only.
+  const Signal held = Sampled(30'000, kFine, [&](double t) { return law(t - kFine); });
+  const Explanation found = Explain(thin.View(Interpolation::kHold), held.View(Interpolation::kHold));
+  EXPECT_EQ(found.cause, Cause::kShift) << found.text;
+  EXPECT_NEAR(found.magnitude, kFine, 0.01 * kFine);
+}
+
+TEST(ExplainFineShift, IsNotNamedForWhatIsNoDelay) {
+  const Signal thin = Sampled(1000, 3.1e-3, [](double t) { return std::sin(2 * kPi * (5.0 * t + 20.0 * t * t)); });
+  const Signal bent = Sampled(31'000, 1e-4, [](double t) {
+    const double x = std::sin(2 * kPi * (5.0 * t + 20.0 * t * t));
+    return x + 0.2 * x * x * x;
+  });
+  const Explanation found = Explain(thin.View(), bent.View());
+  EXPECT_NE(found.cause, Cause::kShift) << found.text;
+}
+
 }  // namespace
 }  // namespace dynoproof::score
