@@ -1,6 +1,7 @@
 // Every built-in plugin, one sorted line each: explicit, because linkers drop what registers itself.
 #include "model/registry.h"
 #include "plugins/actuator/linear_stages/linear_stages.h"
+#include "plugins/actuator/play/play.h"
 #include "plugins/actuator/static_stages/static_stages.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
@@ -10,6 +11,7 @@
 #include "plugins/effect/coupling_effects.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
+#include "plugins/effect/pressure_effects.h"
 #include "plugins/effect/stage_effects.h"
 #include "plugins/effect/structure_changes.h"
 #include "plugins/law/backlash/backlash.h"
@@ -18,7 +20,9 @@
 #include "plugins/law/hydrodynamic_coupling/hydrodynamic_coupling.h"
 #include "plugins/law/loads/loads.h"
 #include "plugins/law/springs/springs.h"
+#include "plugins/plant/charge_air/charge_air.h"
 #include "plugins/plant/drive_line/drive_line.h"
+#include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
@@ -39,6 +43,7 @@ void RegisterActuators(Registry& registry) {
   registry.Add<stages::AsActuator<stages::Gain>>();
   registry.Add<stages::DeadZone>();
   registry.Add<stages::Harmonic>();
+  registry.Add<stages::Play>();
   registry.Add<stages::Saturation>();
 }
 
@@ -54,6 +59,7 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::ActuatorDelay());
   registry.Add(effects::ActuatorGain());
   registry.Add(effects::ActuatorHarmonic());
+  registry.Add(effects::ActuatorHysteresis());
   registry.Add(effects::ActuatorLag());
   registry.Add(effects::ActuatorSaturation());
   registry.Add(effects::AsymmetricFriction());
@@ -65,8 +71,10 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::DahlFriction());
   registry.Add(effects::DampingChange());
   registry.Add(effects::DistributedInertia());
+  registry.Add(effects::FlowAreaError());
   registry.Add(effects::GapChange());
   registry.Add(effects::InertiaChange());
+  registry.Add(effects::Leakage());
   registry.Add(effects::OilDynamics());
   registry.Add(effects::QuadraticDrag());
   registry.Add(effects::SensorDelay());
@@ -78,7 +86,9 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::SeriesElasticity());
   registry.Add(effects::StiffnessChange());
   registry.Add(effects::StribeckFriction());
+  registry.Add(effects::SupplyDroop());
   registry.Add(effects::TorqueRipple());
+  registry.Add(effects::ValveStiction());
   registry.Add(effects::ViscosityDrift());
   registry.Add(effects::ViscousFriction());
 }
@@ -108,7 +118,9 @@ void RegisterLaws(Registry& registry) {
 }
 
 void RegisterPlants(Registry& registry) {
+  registry.Add<ChargeAir>();
   registry.Add<DriveLine>();
+  registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
   registry.Add<SingleCylinder>();
 }
