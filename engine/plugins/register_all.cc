@@ -3,8 +3,10 @@
 #include "plugins/actuator/linear_stages/linear_stages.h"
 #include "plugins/actuator/play/play.h"
 #include "plugins/actuator/static_stages/static_stages.h"
+#include "plugins/control/charge_air_control/charge_air_control.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
+#include "plugins/control/pressure_pi/pressure_pi.h"
 #include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
 #include "plugins/effect/contact_changes.h"
@@ -25,6 +27,7 @@
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
+#include "plugins/plant/volumetric_engine/volumetric_engine.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
 #include "plugins/sensor/static_stages/static_stages.h"
 #include "plugins/source/chirp/chirp.h"
@@ -48,8 +51,11 @@ void RegisterActuators(Registry& registry) {
 }
 
 void RegisterControls(Registry& registry) {
+  registry.Add<controls::ChargeAirControl>();
+  registry.Add<controls::ChargeAirLegacy>();
   registry.Add<controls::ClassicalCore>();
   registry.Add<controls::Core10k>();
+  registry.Add<controls::PressurePi>();
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedPi>();
 }
@@ -123,6 +129,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
   registry.Add<SingleCylinder>();
+  registry.Add<VolumetricEngine>();
 }
 
 void RegisterSensors(Registry& registry) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/gas_flow.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
 
@@ -223,6 +224,78 @@ TEST(PressureEffects, ChangeTheRunAlikeInBothSolvers) {
       }
     }
   }
+}
+
+/// The air path with a constant consumption under the proposed controller; the reference rises by 3 %, far from every
+/// limit.
+double LargestDistanceFromTheLag(double period_s) {
+  Plan plan = AirPlan();
+  Set(plan, "q_e", 0.3);  // independent of the pressure: a disturbance, not a part of the loop
+  plan.root["run"]["period_s"] = Value(period_s);
+  plan.root["run"]["duration_s"] = Value(4.0);
+  plan.root["plant"]["volume"]["V_1"]["start_pressure_Pa"] = Value(3e5);
+  plan.root["plant"]["volume"]["V_2"]["start_pressure_Pa"] = Value(4.5e5);
+  const double open =
+      mechanics::FlapArea::Cosine(1e-5, 9e-3).Position(0.3 / mechanics::OrificeFlow(mechanics::Gas(), 1.0, 4.5e5, 3e5));
+  const Value flaps = *plan.root.FindPath("plant.flap");
+  plan.root["control"]["air"] = Value{{"type", "charge_air_control"},
+                                      {"volume_1_m3", 0.4},
+                                      {"volume_2_m3", 1.2},
+                                      {"displacement_m3", 0.0264},
+                                      {"largest_p_s_Pa", 6.5e5},
+                                      {"initial_u_1_percent", open},
+                                      {"initial_u_2_percent", 46.0},
+                                      {"flap", flaps},
+                                      {"inputs", Value{{"p_ch", "output.p_ch"}, {"p_s", "output.p_s"}}}};
+  const double begin = 2.0 * period_s;
+  plan.root["input"]["reference"] =
+      Value{{"to", "control.air.reference"},
+            {"source", Value{{"type", "step"}, {"initial", 3e5}, {"value", 3.09e5}, {"time_s", begin}}}};
+  plan.root["input"]["speed"] = ConstantInput("control.air.speed", 104.72);
+  for (const char* flap : {"u_1", "u_2"}) {
+    plan.root["input"][flap].Erase("source");
+    plan.root["input"][flap]["from"] = Value(std::string("control.air.") + flap);
+  }
+  const Samples samples = RunPlan(plan, "realtime");
+  const double v_n = std::acos(-1.0);  // 2 pi 0.5 Hz
+  double largest = 0.0;
+  for (std::size_t k = 0; k < samples.time.size(); ++k) {
+    const double lag = 3e5 + 9e3 * -std::expm1(-v_n * std::max(0.0, samples.time[k] - begin));
+    largest = std::max(largest, std::abs(samples.outputs[0][k] - lag) / 9e3);
+  }
+  return largest;
+}
+
+/// (6.22) in time, through the flaps, the decoupling and the sampling: what is left is the sampling, of first order.
+TEST(PressureLoops, SampledChargePressureTendsToTheFirstOrderLag) {
+  const double coarse = LargestDistanceFromTheLag(2e-3), fine = LargestDistanceFromTheLag(5e-4);
+  EXPECT_LT(coarse, 1.5 * std::acos(-1.0) * 2e-3);  // v_n T: the reference is seen a tick late
+  EXPECT_NEAR(fine / coarse, 0.25, 0.03);
+}
+
+/// The gains of (6.39) lie at 0.9 of the bound of the continuous loop: sampled at 1 kHz it must still come to rest.
+TEST(PressureLoops, SampledGasPressureIsStableWithTheGainsOfThePrint) {
+  Plan plan = GasPlan();
+  plan.root["run"]["duration_s"] = Value(4.0);
+  plan.root["plant"]["start_p_mem_Pa"] = Value(5e5);
+  plan.root["control"]["gas"] =
+      Value{{"type", "pressure_pi"}, {"k_I_per_s", 29.32}, {"k_F", 1.0},
+            {"largest_Pa", 10e5},    {"initial_Pa", 5e5},  {"inputs", Value{{"pressure", "output.p_g"}}}};
+  const double p_0 = 5e5 - (200.0 + 2e4 * (0.02 - 0.03) / (10e5 / std::sqrt(2.0 * 518.0 * 300.0) * 0.02)) / 0.02;
+  plan.root["input"]["reference"] =
+      Value{{"to", "control.gas.reference"},
+            {"source", Value{{"type", "step"}, {"initial", p_0}, {"value", p_0 + 50.0}, {"time_s", 0.1}}}};
+  plan.root["input"]["p_mem"].Erase("source");
+  plan.root["input"]["p_mem"]["from"] = Value("control.gas.command");
+  const std::vector<double> p_g = RunPlan(plan, "realtime").outputs[0];
+  const auto swing = [&](std::size_t from, std::size_t to) {
+    double largest = 0.0;
+    for (std::size_t k = from; k < to; ++k) largest = std::max(largest, std::abs(p_g[k] - p_0 - 50.0));
+    return largest;
+  };
+  EXPECT_NEAR(p_g[50], p_0, 1e-6) << "at rest before the step";
+  EXPECT_GT(swing(150, 500), 1.0);
+  EXPECT_LT(swing(3500, 4000), 0.2 * swing(150, 500));
 }
 
 }  // namespace

@@ -77,7 +77,8 @@ FuelGas::FuelGas(const Params& params)
       membrane_area_(params.membrane_area_m2),
       preload_(params.preload_N),
       stiffness_(params.stiffness_N_per_m),
-      damping_(params.damping_Ns_per_m) {
+      damping_(params.damping_Ns_per_m),
+      start_p_mem_(params.start_p_mem_Pa) {
   const Valve& valve = params.valve[0].second;
   const Reservoir& reservoir = params.reservoir[0].second;
   const Volume& volume = params.volume[0].second;
@@ -115,7 +116,8 @@ double FuelGas::Flow(double x) const {
 void FuelGas::Start(std::span<const double> inputs, std::span<double> states, std::span<int>) const {
   // At rest p_g follows from x, and what then remains of the flows rises with x: one zero, found by bisection. Where
   // the engine takes nothing, or gives, the valve is just closed.
-  const auto pressure = [&](double x) { return inputs[0] - (preload_ + stiffness_ * x) / membrane_area_; };
+  const double p_mem = start_p_mem_ > 0.0 ? start_p_mem_ : inputs[0];
+  const auto pressure = [&](double x) { return p_mem - (preload_ + stiffness_ * x) / membrane_area_; };
   const auto surplus = [&](double x) { return Flow(x) - Leak(pressure(x)) - inputs[1]; };
   double low = positions_.empty() ? -flow_at_rest_ / flow_slope_ : positions_.front();
   double high = positions_.empty() ? low + 1e-3 : positions_.back();

@@ -51,7 +51,7 @@ class FuelGas : public Component {
   };
   struct Params {
     double R_J_per_kg_K = 518.0, theta_K = 300.0, ambient_pressure_Pa = 101300.0, mass_kg = 0.0, membrane_area_m2 = 0.0,
-           preload_N = 0.0, stiffness_N_per_m = 0.0, damping_Ns_per_m = 0.0;
+           preload_N = 0.0, stiffness_N_per_m = 0.0, damping_Ns_per_m = 0.0, start_p_mem_Pa = 0.0;
     std::vector<std::pair<std::string, Valve>> valve;
     std::vector<std::pair<std::string, Reservoir>> reservoir;
     std::vector<std::pair<std::string, Volume>> volume;
@@ -64,6 +64,9 @@ class FuelGas : public Component {
       v.Optional("preload_N", preload_N, Any(), "pre-load F_s0 of the spring");
       v.Required("stiffness_N_per_m", stiffness_N_per_m, Positive(), "stiffness k_s of the spring");
       v.Optional("damping_Ns_per_m", damping_Ns_per_m, NonNegative(), "damping c_s");
+      v.Optional("start_p_mem_Pa", start_p_mem_Pa, NonNegative(),
+                 "command whose equilibrium it starts in, where a controller gives none before its first tick; 0: the "
+                 "first one");
       v.Required("valve", valve, Any(), "[plant.valve.v_g]: the valve that the membrane moves");
       v.Required("reservoir", reservoir, Any(), "[plant.reservoir.res]: what supplies the gas");
       v.Required("volume", volume, Any(), "[plant.volume.V]: the pipe before the engine");
@@ -91,7 +94,7 @@ class FuelGas : public Component {
   void BuildLinearPart();
 
   mechanics::Gas gas_;
-  double ambient_, mass_, membrane_area_, preload_, stiffness_, damping_;
+  double ambient_, mass_, membrane_area_, preload_, stiffness_, damping_, start_p_mem_;
   double flow_slope_, flow_at_rest_;       // linear valve: k_q, d_q; 0 with a table
   double droop_;                           // share of p_res that 1 kg/s takes [s/kg]
   double leak_area_, pressure_rate_;       // pressure_rate_: R theta/V [Pa/kg]
