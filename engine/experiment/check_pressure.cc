@@ -170,9 +170,15 @@ std::vector<score::Check> BoundedCheck::Run(CheckContext& context) const {
   double margin = values.empty() ? kNaN : std::numeric_limits<double>::infinity(), when = 0.0;
   for (std::size_t k = 0; k < values.size(); ++k) {
     double here = std::numeric_limits<double>::infinity();
-    if (!p_.above.empty()) here = std::min(here, values[k] - p_.above_factor * output(p_.above)[k]);
-    if (!p_.below.empty()) here = std::min(here, p_.below_factor * output(p_.below)[k] - values[k]);
-    if (!p_.between.empty()) here = std::min({here, values[k] - p_.between[0], p_.between[1] - values[k]});
+    const auto take = [&here](double distance) {
+      if (!std::isnan(here) && !(distance >= here)) here = distance;  // a distance that is no number stays
+    };
+    if (!p_.above.empty()) take(values[k] - p_.above_factor * output(p_.above)[k]);
+    if (!p_.below.empty()) take(p_.below_factor * output(p_.below)[k] - values[k]);
+    if (!p_.between.empty()) {
+      take(values[k] - p_.between[0]);
+      take(p_.between[1] - values[k]);
+    }
     if (here >= margin) continue;
     if (std::isnan(here)) {
       margin = kNaN;
