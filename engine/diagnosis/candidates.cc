@@ -124,6 +124,10 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
   if (name == "actuator_dead_zone") return {{0.05 * size(m.input_rms)}};
   if (name == "sensor_offset") return {{0.05 * size(m.output_spread)}};
   if (name == "sensor_drift") return {{0.05 * size(m.output_spread) / m.duration_s}};
+  // Play and stiction that the record does not exceed hide all motion: several sizes, the smallest first.
+  if (name == "actuator_hysteresis") return {{0.01 * size(m.input_peak)}, {0.05 * size(m.input_peak)}};
+  if (name == "flow_area_error") return {{1.02}, {0.98}, {0.9}, {1.1}, {0.75}, {1.3}};
+  if (name == "valve_stiction") return {{2.0}, {10.0}, {40.0}};
   std::vector<double> start;
   for (const EffectParameter& p : effect.info().parameters) start.push_back(p.start);
   return {start};

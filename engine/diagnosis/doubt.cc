@@ -14,14 +14,37 @@ constexpr double kInertiaSpread = 0.01, kStiffnessSpread = 0.01, kDampingSpread 
 // A record may start while the line turns or is wound up: these priors only keep the normal equations regular.
 constexpr double kStartSpeed_rad_per_s = 100.0;
 
+// Pipes are measured on drawings, membranes and springs have data sheets. The start follows the record's first samples
+// (StartFromRecord): what is left is noise and the error of a pressure sensor, 0.1 % of 5 bar.
+constexpr double kVolumeSpread = 0.01, kPreloadSpread = 0.02, kStartPressure_Pa = 500.0;
+
 bool IsNumber(const Value* value) { return value != nullptr && value->is_number() && value->number() != 0.0; }
+
+std::vector<Doubt> PressureDoubts(const Plan& plan) {
+  std::vector<Doubt> doubts;
+  const auto add = [&](const std::string& path, bool relative, double spread) {
+    if (IsNumber(plan.root.FindPath(path))) doubts.push_back({path, relative, spread, !relative, "", "", false});
+  };
+  const Value* volumes = plan.root.FindPath("plant.volume");
+  for (const std::string& name : volumes != nullptr ? KeysOf(*volumes) : std::vector<std::string>{}) {
+    add("plant.volume." + name + ".volume_m3", true, kVolumeSpread);
+    add("plant.volume." + name + ".start_pressure_Pa", false, kStartPressure_Pa);
+  }
+  add("plant.mass_kg", true, kInertiaSpread);
+  add("plant.stiffness_N_per_m", true, kStiffnessSpread);
+  add("plant.damping_Ns_per_m", true, kDampingSpread);
+  add("plant.preload_N", true, kPreloadSpread);
+  return doubts;
+}
 
 }  // namespace
 
 std::vector<Doubt> DoubtsOf(const Plan& plan) {
   std::vector<Doubt> doubts;
   const Value* type = plan.root.FindPath("plant.type");
-  if (type == nullptr || !type->is_string() || type->string() != "drive_line") return doubts;
+  const std::string plant = type != nullptr && type->is_string() ? type->string() : "";
+  if (plant == "charge_air" || plant == "fuel_gas") return PressureDoubts(plan);
+  if (plant != "drive_line") return doubts;
   const auto relative = [&](const std::string& path, double spread, const char* effect, const std::string& at) {
     if (IsNumber(plan.root.FindPath(path))) doubts.push_back({path, true, spread, false, effect, at, false});
   };

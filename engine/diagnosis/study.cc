@@ -43,7 +43,9 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 }  // namespace
 
 Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until)
-    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), doubts_(DoubtsOf(plan_)) {
+    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)) {
+  if (!records_.empty()) StartFromRecord(records_.front(), plan_);
+  doubts_ = DoubtsOf(plan_);
   Eigen::Index rows = 0;
   const auto text = [&](const std::string& output, const char* key) {
     const Value* value = plan_.root.FindPath("output." + output + "." + key);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "experiment/check_kinds.h"
+#include "experiment/check_pressure.h"
 #include "experiment/check_suppression.h"
 #include "experiment/why.h"
 #include "oracles/oracle.h"
@@ -230,10 +231,10 @@ Kind MakeKind() {
 
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
-      MakeKind<ContactsCheck>(),   MakeKind<CouplingCheck>(),   MakeKind<DivergenceCheck>(), MakeKind<FollowsCheck>(),
-      MakeKind<GoldenCheck>(),     MakeKind<GrowthCheck>(),     MakeKind<OracleCheck>(),     MakeKind<PeakCheck>(),
-      MakeKind<PlacementsCheck>(), MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>(),    MakeKind<WanderCheck>(),
-      MakeKind<WindowsCheck>()};
+      MakeKind<BoundedCheck>(), MakeKind<ContactsCheck>(),   MakeKind<CouplingCheck>(), MakeKind<DivergenceCheck>(),
+      MakeKind<FollowsCheck>(), MakeKind<GoldenCheck>(),     MakeKind<GrowthCheck>(),   MakeKind<OracleCheck>(),
+      MakeKind<PeakCheck>(),    MakeKind<PlacementsCheck>(), MakeKind<RampsCheck>(),    MakeKind<ResonancesCheck>(),
+      MakeKind<SolversCheck>(), MakeKind<WanderCheck>(),     MakeKind<WindowsCheck>()};
   return kinds;
 }
 

@@ -56,6 +56,27 @@ void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
   for (const auto& [name, series] : data.inputs) records[name] = OnTicks(series, period_s);
 }
 
+}  // namespace
+
+void StartFromRecord(const MappedRecord& data, Plan& plan) {
+  // What noise and a sensor's error make of the first sample is less than this share.
+  constexpr double kSaysOtherwise = 0.01;
+  const Value* type = plan.root.FindPath("plant.type");
+  if (type == nullptr || !type->is_string() || type->string() != "charge_air") return;
+  for (const auto& [port, volume] : {std::pair("plant.p_ch", "V_1"), std::pair("plant.p_s", "V_2")}) {
+    Value* start = plan.root.FindPath(fmt::format("plant.volume.{}.start_pressure_Pa", volume));
+    if (start == nullptr || !start->is_number()) continue;
+    for (const auto& [name, series] : data.outputs) {
+      const Value* of = plan.root.FindPath("output." + name + ".of");
+      if (of == nullptr || !of->is_string() || of->string() != port || series.values->empty()) continue;
+      const double first = series.values->front();
+      if (std::abs(first - start->number()) > kSaysOtherwise * start->number() && first >= 0.0) *start = Value(first);
+    }
+  }
+}
+
+namespace {
+
 /// Reads the files that `replay` sources name, anywhere in the tree.
 void ReadReplays(const Value& value, const std::string& folder, Records& records, Diagnostics& diagnostics) {
   if (value.is_array()) {
@@ -159,6 +180,7 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
                       "shorten the record: rows = [FIRST, LAST] in the map file");
   }
   if (!plan) return nullptr;
+  if (options.data != nullptr) StartFromRecord(*options.data, *plan);
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
   if (prepared != nullptr && !options.overrides.empty()) {
     prepared->notes.push_back("changed by --set; golden traces and stated limits belong to the scenario as written");

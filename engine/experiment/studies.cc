@@ -9,6 +9,7 @@
 #include "experiment/analysis.h"
 #include "experiment/coupling_studies.h"
 #include "experiment/prepare.h"
+#include "experiment/pressure_studies.h"
 #include "experiment/suppression_studies.h"
 #include "mechanics/descriptions.h"
 #include "mechanics/distributed.h"
@@ -348,6 +349,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
   };
   static const std::map<std::string, Study, std::less<>> all = [] {
     auto merged = SuppressionStudies();
+    merged.merge(PressureStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;
   }();

@@ -58,7 +58,7 @@ class Component {
 
   /// Continuous components: time derivative of the states.
   virtual void Derivative(const View&, std::span<double> /*rates*/) const {}
-  /// Values whose sign change is an event, and what the event changes.
+  /// Values whose sign change is an event, and what it changes; modes without guards: guard -1 as an interval ends.
   virtual void Guards(const View&, std::span<double> /*values*/) const {}
   virtual void OnEvent(const View&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 

@@ -1,15 +1,19 @@
 // Every built-in plugin, one sorted line each: explicit, because linkers drop what registers itself.
 #include "model/registry.h"
 #include "plugins/actuator/linear_stages/linear_stages.h"
+#include "plugins/actuator/play/play.h"
 #include "plugins/actuator/static_stages/static_stages.h"
+#include "plugins/control/charge_air_control/charge_air_control.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
+#include "plugins/control/pressure_pi/pressure_pi.h"
 #include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
 #include "plugins/effect/contact_changes.h"
 #include "plugins/effect/coupling_effects.h"
 #include "plugins/effect/load_effects.h"
 #include "plugins/effect/parameter_changes.h"
+#include "plugins/effect/pressure_effects.h"
 #include "plugins/effect/stage_effects.h"
 #include "plugins/effect/structure_changes.h"
 #include "plugins/law/backlash/backlash.h"
@@ -18,9 +22,12 @@
 #include "plugins/law/hydrodynamic_coupling/hydrodynamic_coupling.h"
 #include "plugins/law/loads/loads.h"
 #include "plugins/law/springs/springs.h"
+#include "plugins/plant/charge_air/charge_air.h"
 #include "plugins/plant/drive_line/drive_line.h"
+#include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
+#include "plugins/plant/volumetric_engine/volumetric_engine.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
 #include "plugins/sensor/static_stages/static_stages.h"
 #include "plugins/source/chirp/chirp.h"
@@ -39,12 +46,16 @@ void RegisterActuators(Registry& registry) {
   registry.Add<stages::AsActuator<stages::Gain>>();
   registry.Add<stages::DeadZone>();
   registry.Add<stages::Harmonic>();
+  registry.Add<stages::Play>();
   registry.Add<stages::Saturation>();
 }
 
 void RegisterControls(Registry& registry) {
+  registry.Add<controls::ChargeAirControl>();
+  registry.Add<controls::ChargeAirLegacy>();
   registry.Add<controls::ClassicalCore>();
   registry.Add<controls::Core10k>();
+  registry.Add<controls::PressurePi>();
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedPi>();
 }
@@ -54,6 +65,7 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::ActuatorDelay());
   registry.Add(effects::ActuatorGain());
   registry.Add(effects::ActuatorHarmonic());
+  registry.Add(effects::ActuatorHysteresis());
   registry.Add(effects::ActuatorLag());
   registry.Add(effects::ActuatorSaturation());
   registry.Add(effects::AsymmetricFriction());
@@ -65,8 +77,10 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::DahlFriction());
   registry.Add(effects::DampingChange());
   registry.Add(effects::DistributedInertia());
+  registry.Add(effects::FlowAreaError());
   registry.Add(effects::GapChange());
   registry.Add(effects::InertiaChange());
+  registry.Add(effects::Leakage());
   registry.Add(effects::OilDynamics());
   registry.Add(effects::QuadraticDrag());
   registry.Add(effects::SensorDelay());
@@ -78,7 +92,9 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::SeriesElasticity());
   registry.Add(effects::StiffnessChange());
   registry.Add(effects::StribeckFriction());
+  registry.Add(effects::SupplyDroop());
   registry.Add(effects::TorqueRipple());
+  registry.Add(effects::ValveStiction());
   registry.Add(effects::ViscosityDrift());
   registry.Add(effects::ViscousFriction());
 }
@@ -108,9 +124,12 @@ void RegisterLaws(Registry& registry) {
 }
 
 void RegisterPlants(Registry& registry) {
+  registry.Add<ChargeAir>();
   registry.Add<DriveLine>();
+  registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
   registry.Add<SingleCylinder>();
+  registry.Add<VolumetricEngine>();
 }
 
 void RegisterSensors(Registry& registry) {

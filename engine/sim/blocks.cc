@@ -70,6 +70,15 @@ void ApplyEvent(const Block& block, int guard, double time_s, std::span<double> 
                            modes.subspan(block.first_mode, block.component->layout().modes));
 }
 
+std::vector<int> BlocksWithMemory(const Rig& rig) {
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < rig.blocks.size(); ++i) {
+    const Layout& layout = rig.blocks[i].component->layout();
+    if (layout.modes > 0 && layout.guards == 0) indices.push_back(static_cast<int>(i));
+  }
+  return indices;
+}
+
 std::vector<bool> FeedsDynamics(const Rig& rig) {
   const auto reads = [](const Block& reader, const Block& writer) {
     return std::any_of(reader.inputs.begin(), reader.inputs.end(), [&writer](int slot) {

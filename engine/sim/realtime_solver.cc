@@ -78,6 +78,10 @@ class RealtimeSolver : public Solver {
     }
     for (int i = 0; i < step.substeps; ++i) Substep(frame, step, begin_s + i * step.length_s, i);
     substeps_ += step.substeps;
+    for (const int block : with_memory_) {
+      ApplyEvent(rig_.blocks[block], kEndOfInterval, begin_s + step.substeps * step.length_s, frame.states, frame.modes,
+                 frame.signals);
+    }
     return {};
   }
 
@@ -103,7 +107,8 @@ class RealtimeSolver : public Solver {
     double length_s;
   };
 
-  explicit RealtimeSolver(const Rig& rig) : rig_(rig), roles_(AssignRoles(rig)), group_(JoinLinearParts(rig, roles_)) {
+  explicit RealtimeSolver(const Rig& rig)
+      : rig_(rig), roles_(AssignRoles(rig)), with_memory_(BlocksWithMemory(rig)), group_(JoinLinearParts(rig, roles_)) {
     form_ = ModalForm::Build(group_.system);
     if (rig.run.realtime.keep_below_Hz > 0.0)
       form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
@@ -515,6 +520,7 @@ class RealtimeSolver : public Solver {
 
   const Rig& rig_;
   Roles roles_;
+  std::vector<int> with_memory_;
   LinearGroup group_;
   ModalForm form_;
   static constexpr std::size_t kMostOfAPart = 16;  // inputs or states of a part that is carried ahead

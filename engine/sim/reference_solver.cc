@@ -71,6 +71,10 @@ class ReferenceSolver : public Solver {
       if (time_s >= end_s) break;
       if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
     }
+    if (!with_memory_.empty()) EvaluateFeeding(end_s, frame.states);
+    for (const int block : with_memory_) {
+      ApplyEvent(rig_.blocks[block], kEndOfInterval, end_s, frame.states, modes_, signals_);
+    }
     frame.modes = modes_;
     RememberGuards(frame, end_s);
     return {};
@@ -93,7 +97,7 @@ class ReferenceSolver : public Solver {
   }
 
  private:
-  explicit ReferenceSolver(const Rig& rig) : rig_(rig) {
+  explicit ReferenceSolver(const Rig& rig) : rig_(rig), with_memory_(BlocksWithMemory(rig)) {
     const std::vector<bool> feeds = FeedsDynamics(rig);
     for (std::size_t i = 0; i < feeds.size(); ++i) {
       if (feeds[i]) feeding_.push_back(&rig.blocks[i]);
@@ -155,6 +159,7 @@ class ReferenceSolver : public Solver {
 
   const Rig& rig_;
   std::vector<const Block*> feeding_;
+  std::vector<int> with_memory_;
   std::unique_ptr<Integrator> integrator_;
   std::vector<double> signals_, guards_;
   std::vector<int> modes_, roots_;

@@ -50,6 +50,9 @@ void EvaluateRates(const Block& block, double time_s, std::span<const double> st
 /// One block's guards, into their place among `values`; and what the event of one of them changes.
 void EvaluateGuards(const Block& block, double time_s, std::span<const double> states, std::span<const int> modes,
                     std::span<const double> signals, std::span<double> values);
+/// `guard` = kEndOfInterval: blocks with modes and no guards, whose memory of what was moves on when an interval ends.
+inline constexpr int kEndOfInterval = -1;
+std::vector<int> BlocksWithMemory(const Rig& rig);
 void ApplyEvent(const Block& block, int guard, double time_s, std::span<double> states, std::span<int> modes,
                 std::span<const double> signals);
 /// By block: true when a block with states reads its outputs, directly or through stateless ones.

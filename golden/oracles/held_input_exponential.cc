@@ -258,7 +258,8 @@ Result<Answer> HeldInputExponential(const Question& question) {
 
 const std::map<std::string, Oracle, std::less<>>& All() {
   static const std::map<std::string, Oracle, std::less<>> oracles = {{"held_input_exponential", HeldInputExponential},
-                                                                     {"piecewise_exponential", PiecewiseExponential}};
+                                                                     {"piecewise_exponential", PiecewiseExponential},
+                                                                     {"pressure_extrapolation", PressureExtrapolation}};
   return oracles;
 }
 

@@ -32,6 +32,11 @@ Result<Answer> HeldInputExponential(const Question& question);
 /// found by bisection down to 1e-11 of a period. Fails (exit code 2) on anything else.
 Result<Answer> PiecewiseExponential(const Question& question);
 
+/// A pressure plant (charge_air with flaps by the formula, fuel_gas with the linear valve and without friction), leaks
+/// and droop included, with held inputs: extrapolation in extended precision (Bulirsch-Stoer), tick by tick. Fails
+/// (exit code 2) on anything else.
+Result<Answer> PressureExtrapolation(const Question& question);
+
 /// All oracles by name.
 using Oracle = Result<Answer> (*)(const Question&);
 const std::map<std::string, Oracle, std::less<>>& All();

@@ -21,7 +21,7 @@ using testing::BuildLaw;
 using testing::BuiltIns;
 using testing::Differences;
 
-// Effects of drive lines and of inputs and outputs, by the names of the contract, with their parameters.
+// All effects, by the names of the contract, with their parameters.
 const std::map<std::string, std::vector<std::string>> kContract = {
     {"viscous_friction", {"b"}},
     {"coulomb_friction", {"T_c"}},
@@ -54,11 +54,17 @@ const std::map<std::string, std::vector<std::string>> kContract = {
     {"sensor_lag", {"tau"}},
     {"sensor_drift", {"slope"}},
     {"sensor_rectified", {}},
+    {"leakage", {"A_leak"}},
+    {"flow_area_error", {"g"}},
+    {"actuator_hysteresis", {"width"}},
+    {"valve_stiction", {"F_c"}},
+    {"supply_droop", {"slope"}},
 };
 
 // Plans on which each of these effects has a place between them.
 std::vector<Plan> SamplePlans() {
-  return {testing::LumpedPlan(), testing::SoftPlan(), testing::PlayPlan(), testing::CouplingPlan()};
+  return {testing::LumpedPlan(),   testing::SoftPlan(), testing::PlayPlan(),
+          testing::CouplingPlan(), testing::AirPlan(),  testing::GasPlan()};
 }
 
 std::vector<double> Starts(const Effect& effect) {

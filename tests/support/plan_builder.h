@@ -95,6 +95,46 @@ inline Plan CouplingPlan() {
       {"output", Value{{"T", Value{{"of", "plant.coupling.torque"}}}, {"w_A", Value{{"of", "plant.A.speed"}}}}}});
 }
 
+inline Value ConstantInput(const char* to, double value) {
+  return {{"to", to}, {"source", Value{{"type", "constant"}, {"value", value}}}};
+}
+
+/// The air path of a single-cylinder engine with the data of scenarios/pressure/_charge_air.toml.
+inline Plan AirPlan() {
+  return PlanOf(
+      Value{{"run", Value{{"duration_s", 10.0}, {"period_s", 0.02}}},
+            {"plant", Value{{"type", "charge_air"},
+                            {"volume", Value{{"V_1", Value{{"volume_m3", 0.4}, {"start_pressure_Pa", 3.5e5}}},
+                                             {"V_2", Value{{"volume_m3", 1.2}, {"start_pressure_Pa", 5.0e5}}}}},
+                            {"flap", Value{{"1", Value{{"area_offset_m2", 1e-5}, {"area_span_m2", 9e-3}}},
+                                           {"2", Value{{"area_offset_m2", 1e-5}, {"area_span_m2", 4.5e-3}}}}}}},
+            {"input", Value{{"u_1", ConstantInput("plant.u_1", 25.0)},
+                            {"u_2", ConstantInput("plant.u_2", 30.0)},
+                            {"q_e", ConstantInput("plant.q_e", 0.75)},
+                            {"q_c", ConstantInput("plant.q_c", 1.3)}}},
+            {"output", Value{{"p_ch", Value{{"of", "plant.p_ch"}, {"nominal", 1e5}}},
+                             {"p_s", Value{{"of", "plant.p_s"}, {"nominal", 1e5}}}}}});
+}
+
+/// The fuel gas supply with the data of scenarios/pressure/_fuel_gas.toml.
+inline Plan GasPlan() {
+  return PlanOf(
+      Value{{"run", Value{{"duration_s", 1.0}, {"period_s", 1e-3}}},
+            {"plant", Value{{"type", "fuel_gas"},
+                            {"mass_kg", 0.5},
+                            {"membrane_area_m2", 0.02},
+                            {"preload_N", 200.0},
+                            {"stiffness_N_per_m", 2e4},
+                            {"damping_Ns_per_m", 400.0},
+                            {"valve", Value{{"v_g", Value{{"area_slope_m", 0.02}, {"flow_at_rest_kg_per_s", 0.03}}}}},
+                            {"reservoir", Value{{"res", Value{{"pressure_Pa", 10e5}}}}},
+                            {"volume", Value{{"V", Value{{"volume_m3", 0.02}}}}}}},
+            {"input", Value{{"p_mem", ConstantInput("plant.p_mem", 5e5)}, {"q_e", ConstantInput("plant.q_e", 0.02)}}},
+            {"output", Value{{"p_g", Value{{"of", "plant.p_g"}, {"nominal", 1e5}}},
+                             {"q_g", Value{{"of", "plant.q_g"}, {"nominal", 0.01}}},
+                             {"x", Value{{"of", "plant.x"}, {"nominal", 1e-3}}}}}});
+}
+
 /// A plan without any mechanics.
 inline Plan PressurePlan() {
   return PlanOf(Value{{"plant", Value{{"type", "charge_air"}, {"inertia", Value{{"I1", 1.0}}}}}});

@@ -1,0 +1,208 @@
+#include "experiment/pressure_studies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numbers>
+
+#include "experiment/prepare.h"
+#include "experiment/run_scenario.h"
+#include "mechanics/gas_flow.h"
+#include "mechanics/pressure_loops.h"
+#include "mechanics/speed_loop.h"
+#include "scenario/load.h"
+
+namespace dynoproof {
+namespace {
+
+Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
+
+double Number(const Value& parameters, const char* path, double fallback) {
+  const Value* value = parameters.FindPath(path);
+  return value != nullptr && value->is_number() ? value->number() : fallback;
+}
+
+std::string Text(const Value& parameters, const char* key) {
+  const Value* value = parameters.Find(key);
+  return value != nullptr && value->is_string() ? value->string() : "";
+}
+
+bool Flag(const Value& parameters, const char* key) {
+  const Value* value = parameters.Find(key);
+  return value != nullptr && value->is_bool() && value->boolean();
+}
+
+/// The scenario that the claim names, as written.
+Result<Plan> PlanOf(const Value& parameters) {
+  Diagnostics diagnostics;
+  const std::vector<std::string> files = FindScenarios(Text(parameters, "scenario"), diagnostics);
+  std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
+  if (!plan) return Wrong("needs a \"scenario\"\n" + diagnostics.Format());
+  return *plan;
+}
+
+/// The regulator of a scenario whose plant is fuel_gas with the linear valve.
+Result<mechanics::Regulator> RegulatorOf(const Value& parameters) {
+  const Result<Plan> plan = PlanOf(parameters);
+  if (!plan.ok()) return plan.failure();
+  const Value* plant = plan->root.Find("plant");
+  if (plant == nullptr || Text(*plant, "type") != "fuel_gas") return Wrong("the plant is not fuel_gas");
+  const double R_theta = Number(*plant, "R_J_per_kg_K", 518.0) * Number(*plant, "theta_K", 300.0);
+  return mechanics::Regulator{Number(*plant, "mass_kg", 0.0),
+                              Number(*plant, "stiffness_N_per_m", 0.0),
+                              Number(*plant, "damping_Ns_per_m", 0.0),
+                              Number(*plant, "membrane_area_m2", 0.0),
+                              Number(*plant, "reservoir.res.pressure_Pa", 0.0) / std::sqrt(2.0 * R_theta) *
+                                  Number(*plant, "valve.v_g.area_slope_m", 0.0),
+                              R_theta / Number(*plant, "volume.V.volume_m3", 1.0)};
+}
+
+/// Largest relative distance of (6.20) with the gains (6.21) from (6.22), over six decades.
+Result<Figure> FirstOrderLag(const Registry&, const Value& parameters) {
+  const double f_n = Number(parameters, "bandwidth_Hz", 0.5), v_n = 2.0 * std::numbers::pi * f_n;
+  const double capacity = Number(parameters, "volume_m3", 0.4) / (287.05 * 320.0);
+  const mechanics::TransferPolynomials loop =
+      mechanics::VolumeLoop(capacity, mechanics::FirstOrderLagGains(capacity, v_n));
+  double worst = 0.0;
+  for (double w = 1e-3 * v_n; w < 1e3 * v_n; w *= 1.3) {
+    const std::complex<double> s(0.0, w), lag = v_n / (s + v_n);
+    worst = std::max(worst,
+                     std::abs(mechanics::Evaluate(loop.numerator, s) / mechanics::Evaluate(loop.denominator, s) - lag) /
+                         std::abs(lag));
+  }
+  return Figure{worst, "1"};
+}
+
+Result<Figure> FlowFunctionStudy(const Registry&, const Value& parameters) {
+  return Figure{mechanics::FlowFunctionDeviation(Number(parameters, "kappa", 1.4)), "1"};
+}
+
+/// Least stiffness (6.31), or a root of the regulator alone.
+Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
+  const Result<mechanics::Regulator> regulator = RegulatorOf(parameters);
+  if (!regulator.ok()) return regulator.failure();
+  const std::string figure = Text(parameters, "figure");
+  if (figure == "least_stiffness") return Figure{mechanics::LeastStiffness(*regulator), "N/m"};
+  const auto roots = mechanics::PolynomialRoots(mechanics::RegulatorPolynomial(*regulator));
+  if (!roots.ok()) return roots.failure();
+  if (figure == "fast_pole") return Figure{roots->real().minCoeff(), "1/s"};
+  if (figure == "slow_pole") return Figure{roots->real().maxCoeff(), "1/s"};
+  if (figure == "slow_pole_frequency") return Figure{roots->imag().maxCoeff(), "1/s"};
+  return Wrong("needs a \"figure\": least_stiffness, fast_pole, slow_pole or slow_pole_frequency");
+}
+
+/// Where the eigenvalues cross the axis when one number is swept, over the printed bound.
+Result<Figure> RegulatorBound(const Registry&, const Value& parameters) {
+  const Result<mechanics::Regulator> found = RegulatorOf(parameters);
+  if (!found.ok()) return found.failure();
+  const mechanics::Regulator regulator = *found;
+  const std::string swept = Text(parameters, "swept");
+  const double k_P = Number(parameters, "k_P", 0.0);
+  double bound = 0.0, stable = 0.0, unstable = 0.0;
+  std::function<double(double)> part;
+  if (swept == "k_s") {
+    bound = mechanics::LeastStiffness(regulator);
+    stable = 3.0 * bound;
+    unstable = 0.3 * bound;
+    part = [regulator](double k_s) {
+      mechanics::Regulator other = regulator;
+      other.k_s = k_s;
+      return mechanics::LargestRealPart(mechanics::RegulatorPolynomial(other));
+    };
+  } else if (swept == "k_P" || swept == "k_I") {
+    const bool proportional = swept == "k_P";
+    bound =
+        proportional ? mechanics::LargestProportionalGain(regulator) : mechanics::LargestIntegralGain(regulator, k_P);
+    stable = 0.1 * bound;
+    unstable = 3.0 * bound;
+    part = [regulator, proportional, k_P](double gain) {
+      const mechanics::PiGains gains =
+          proportional ? mechanics::PiGains{gain, 1e-9, 1.0} : mechanics::PiGains{k_P, gain, 1.0};
+      return mechanics::LargestRealPart(mechanics::RegulatorLoop(regulator, gains).denominator);
+    };
+  } else {
+    return Wrong("needs \"swept\": k_s, k_P or k_I");
+  }
+  if (!(part(stable) < 0.0 && part(unstable) > 0.0)) return Wrong("the sweep does not cross the axis");
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (stable + unstable);
+    (part(middle) < 0.0 ? stable : unstable) = middle;
+  }
+  return Figure{0.5 * (stable + unstable) / bound, "1"};
+}
+
+/// The steady gas pressure of the plant less that of (6.32), with d_q or as printed.
+Result<Figure> RegulatorSteady(const Registry& registry, const Value& parameters) {
+  const Result<mechanics::Regulator> regulator = RegulatorOf(parameters);
+  const Result<Plan> plan = PlanOf(parameters);
+  if (!regulator.ok()) return regulator.failure();
+  const Value& table = *plan->root.Find("plant");
+  Diagnostics diagnostics;
+  BuildContext context{registry, diagnostics, "plant", {"inputs"}};
+  const std::unique_ptr<Component> plant = registry.MakeComponent("plant", table, context);
+  if (plant == nullptr) return Wrong(diagnostics.Format());
+  const double inputs[] = {Number(parameters, "p_mem", 5e5), Number(parameters, "q_e", 0.02)};
+  double states[3] = {}, rates[3] = {};
+  plant->Start(inputs, states, {});
+  plant->Derivative({0.0, inputs, states, {}}, rates);
+  // Rest to round-off: forces of 1e4 N, flows that change a pressure by 1e5 Pa/s.
+  if (std::abs(rates[1]) > 1e-8 || std::abs(rates[2]) > 1e-5) return Wrong("the plant does not start at rest");
+  const double d_q = Flag(parameters, "as_printed") ? 0.0 : Number(table, "valve.v_g.flow_at_rest_kg_per_s", 0.0);
+  const double formula = inputs[0] - Number(table, "preload_N", 0.0) / regulator->A -
+                         regulator->k_s / regulator->A * (inputs[1] - d_q) / regulator->k_q;
+  return Figure{states[2] - formula, "Pa"};
+}
+
+/// 1 when (6.14) alone, as it is printed, asks for a supply pressure below twice the charge pressure at that speed.
+Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
+  const Result<Plan> plan = PlanOf(parameters);
+  if (!plan.ok()) return plan.failure();
+  const Value* control = plan->root.FindPath("control.proposed");
+  if (control == nullptr) return Wrong("the scenario has no [control.proposed]");
+  const double swept = Number(*control, "volumetric_efficiency", 1.0) * Number(*control, "displacement_m3", 0.0) *
+                       Number(parameters, "speed", 0.0) / (4.0 * std::numbers::pi);
+  const double area = mechanics::FlapArea::Cosine(Number(*control, "flap.1.area_offset_m2", 0.0),
+                                                  Number(*control, "flap.1.area_span_m2", 1.0))
+                          .Area(25.0);
+  return Figure{mechanics::PressureSurplus(swept, area, 287.05 * 320.0) < 1.0 ? 1.0 : 0.0, "1"};
+}
+
+/// A figure of the checks of kind `ramps` of a scenario, or over a second one.
+Result<Figure> RampsFigure(const Registry& registry, const Value& parameters) {
+  Result<Plan> plan = PlanOf(parameters);
+  if (!plan.ok()) return plan.failure();
+  Value::Array ramps;
+  const Value* checks = plan->root.Find("check");
+  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+    if (Text(check, "kind") == "ramps") ramps.push_back(check);
+  }
+  plan->root["check"] = Value(std::move(ramps));
+  Diagnostics diagnostics;
+  const std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), {}, registry, diagnostics);
+  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  const Result<Course> course = Play(*prepared, {});
+  if (!course.ok()) return course.failure();
+  CheckContext context(prepared->plan, *prepared->rig, course->samples, prepared->rig->run.solver);
+  context.trace = &course->trace;
+  context.registry = &registry;
+  context.records = prepared->records.get();
+  for (const auto& check : prepared->checks) check->Run(context);
+  const auto figure = context.figures.find(Text(parameters, "figure"));
+  if (figure == context.figures.end()) return Wrong("there is no figure \"" + Text(parameters, "figure") + "\"");
+  if (parameters.Find("over") == nullptr) return figure->second;
+  const auto over = context.figures.find(Text(parameters, "over"));
+  if (over == context.figures.end()) return Wrong("there is no figure \"" + Text(parameters, "over") + "\"");
+  return Figure{figure->second.value / over->second.value, "1"};
+}
+
+}  // namespace
+
+std::map<std::string, Study, std::less<>> PressureStudies() {
+  return {{"pressure_first_order_lag", FirstOrderLag},      {"pressure_flow_function", FlowFunctionStudy},
+          {"pressure_planned_reference", PlannedReference}, {"pressure_ramps", RampsFigure},
+          {"pressure_regulator", RegulatorFigure},          {"pressure_regulator_bound", RegulatorBound},
+          {"pressure_regulator_steady", RegulatorSteady}};
+}
+
+}  // namespace dynoproof
