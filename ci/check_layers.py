@@ -18,8 +18,9 @@ MAY_INCLUDE = {
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
     "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
-    "reports": ["experiment", "score", "trace", "model", "mechanics", "base"],
-    "app": ["reports", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
+    "campaign": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base", "control10k"],
+    "reports": ["campaign", "experiment", "score", "trace", "model", "mechanics", "base"],
+    "app": ["reports", "campaign", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
 }
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 

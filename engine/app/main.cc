@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   app::AddIdentify(program, exit);
   app::AddDiagnose(program, exit);
   app::AddBench(program, exit);
+  app::AddSweep(program, exit);
   app::AddBless(program, exit);
   app::AddList(program, exit);
   app::AddDescribe(program, exit);

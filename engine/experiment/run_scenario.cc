@@ -161,9 +161,11 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   };
   const Result<Course> course = Play(prepared, options.progress);
   if (!course.ok()) return broken(course.failure());
-  const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
-  if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
-  result.trace_file = file;
+  if (!options.out.empty()) {
+    const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
+    if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
+    result.trace_file = file;
+  }
 
   CheckContext context(prepared.plan, *prepared.rig, course->samples, prepared.rig->run.solver);
   context.trace = &course->trace;

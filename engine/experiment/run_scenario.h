@@ -30,7 +30,7 @@ struct Course {
 };
 
 struct RunOptions {
-  std::string out = "out";  // folder; traces go to out/<id>.h5
+  std::string out = "out";  // folder; traces go to out/<id>.h5; empty: none is written
   const MappedRecord* data = nullptr;
   Progress progress = {};
   /// Called with what there is to see when the checks have been made; not for a broken run.
