@@ -16,7 +16,7 @@ constexpr std::int64_t kMostRuns = 100'000'000;
 
 /// The campaign file.
 struct Spec {
-  std::string title, scenario, sampling = "random", keep_traces = "none";
+  std::string title, scenario, sampling = "random", keep_traces = "none", batch = "auto";
   std::vector<std::string> set, checks;
   std::vector<Value> axis;
   std::vector<std::pair<std::string, FigureSpec>> figure;
@@ -35,6 +35,8 @@ struct Spec {
     v.Optional("vary_seed", vary_seed, Any(), "each sample has a run.seed of its own");
     v.Optional("checks", checks, Any(), "kinds of the scenario's checks that are made in each run");
     v.Optional("keep_traces", keep_traces, std::vector<std::string>{"none", "failing", "all"}, "which traces stay");
+    v.Optional("batch", batch, std::vector<std::string>{"auto", "always", "never"},
+               "variants of a linear plant side by side in vector lanes: where it pays, wherever it can be, never");
     v.Optional("most_failing", most_failing, Between(0.0, 1.0), "share of failing runs that is accepted");
     v.Optional("most_seconds", most_seconds, NonNegative(), "a run that takes longer is broken; 0: no limit");
     v.Optional("axis", axis, Any(), "[[axis]]: what is varied");
@@ -103,6 +105,7 @@ std::unique_ptr<Subject> MakeSubject(Spec& spec, const Value& root, const std::s
   options.keep_traces = spec.keep_traces;
   options.traces = (fs::path(folder) / "traces").string();
   options.vary_seed = spec.vary_seed;
+  options.batch = spec.batch;
   options.root = root;
   return MakeScenarioSubject(std::move(options), axes, registry, text, diagnostics);
 }

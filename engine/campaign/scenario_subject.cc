@@ -9,12 +9,16 @@
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
 #include "scenario/load.h"
+#include "sim/batch.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::campaign {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Up to here a batch was seen to pay (bench/batch_bench, README.md): beyond, "always" asks for it.
+constexpr int kMostPairs = 71;
 
 /// The first error of a collection in one line.
 std::string FirstError(const Diagnostics& diagnostics) {
@@ -32,7 +36,15 @@ class ScenarioSubject : public Subject {
 
   const std::vector<FigureInfo>& figures() const override { return figures_; }
 
-  Status Run(Range runs, bool, const std::function<void(Row)>& done) const override {
+  int batch() const override { return batched_.empty() ? 1 : mechanics::BatchPropagator::kLanes; }
+
+  Status Run(Range runs, bool one_by_one, const std::function<void(Row)>& done) const override {
+    if (!batched_.empty()) {
+      const std::int64_t lanes = one_by_one ? 1 : batch();
+      for (std::int64_t run = runs.begin; run < runs.end; run += lanes)
+        RunBatch({run, std::min(run + lanes, runs.end)}, done);
+      return {};
+    }
     for (std::int64_t run = runs.begin; run < runs.end; ++run) {
       Result<Row> row = RunOne(run);
       if (!row.ok()) return row.failure();
@@ -108,10 +120,83 @@ class ScenarioSubject : public Subject {
       }
       figures_.push_back({name, UnitOf(spec, unit)});
     }
+    ChooseBatches(*prepared->rig);
   }
 
  private:
   static constexpr std::size_t kMostCorners = 64;  // each costs as much as a run's preparation
+
+  /// Batches are for plain figures of plain linear plants; by the first run, so that all rows take the same way.
+  void ChooseBatches(const Rig& rig) {
+    if (options_.batch == "never" || !options_.checks.empty() || options_.keep_traces != "none") return;
+    const Result<BatchMember> member = BatchMember::Create(rig);
+    if (!member.ok() || (options_.batch == "auto" && member->pairs() > kMostPairs)) return;
+    std::set<int> outputs;
+    for (const auto& [name, spec] : options_.figures) {
+      if (!spec.from.empty()) return;
+      if (const int output = FindOutput(rig, spec.of); output >= 0) outputs.insert(output);
+    }
+    if (outputs.size() > 4) return;
+    batched_.assign(outputs.begin(), outputs.end());
+    same_inputs_ = !options_.vary_seed;
+    for (std::size_t i = 0; i < axes_.size(); ++i)
+      same_inputs_ = same_inputs_ && axes_.spec(i).key.starts_with("plant.");
+  }
+
+  /// The runs side by side. A run that no batch takes is made alone, whatever its neighbours are.
+  void RunBatch(Range runs, const std::function<void(Row)>& done) const {
+    struct Lane {
+      std::unique_ptr<Prepared> prepared;
+      std::unique_ptr<BatchMember> member;
+    };
+    std::vector<Lane> lanes(static_cast<std::size_t>(runs.size()));
+    std::vector<const BatchMember*> members;
+    for (std::size_t i = 0; i < lanes.size(); ++i) {
+      Diagnostics ignored;  // RunOne() will report them
+      lanes[i].prepared = Prepare(Varied(runs.begin + static_cast<std::int64_t>(i)), {}, registry_, ignored);
+      if (lanes[i].prepared == nullptr) continue;
+      Result<BatchMember> member = BatchMember::Create(*lanes[i].prepared->rig);
+      if (!member.ok()) continue;
+      lanes[i].member = std::make_unique<BatchMember>(*std::move(member));
+      members.push_back(lanes[i].member.get());
+    }
+    Result<std::vector<Samples>> all = Failure{};
+    if (!members.empty()) all = SimulateBatch(members, batched_, same_inputs_);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < lanes.size(); ++i) {
+      const std::int64_t run = runs.begin + static_cast<std::int64_t>(i);
+      Result<Row> row = Failure{};
+      if (lanes[i].member != nullptr) {
+        const BatchMember* const self = lanes[i].member.get();
+        if (!all.ok()) {  // variants that differ in more than numbers: each in a batch of its own
+          Result<std::vector<Samples>> alone = SimulateBatch({&self, 1}, batched_, same_inputs_);
+          if (alone.ok()) row = RowOf(run, *lanes[i].prepared, alone->front());
+        } else {
+          row = RowOf(run, *lanes[i].prepared, (*all)[next++]);
+        }
+      }
+      if (!row.ok()) row = RunOne(run);
+      if (row.ok()) done(*std::move(row));
+    }
+  }
+
+  Row RowOf(std::int64_t run, const Prepared& prepared, const Samples& samples) const {
+    Row row;
+    row.run = run;
+    row.figures.assign(options_.figures.size(), std::numeric_limits<double>::quiet_NaN());
+    for (const int output : batched_) {
+      const std::vector<double>& values = samples.outputs[static_cast<std::size_t>(output)];
+      const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+      if (bad == values.end()) continue;
+      row.verdict = score::Verdict::kBroken;
+      row.why = Failure{"not a finite number", "output." + prepared.rig->outputs[static_cast<std::size_t>(output)].name,
+                        samples.time[static_cast<std::size_t>(bad - values.begin())]}
+                    .ToString();
+      return row;
+    }
+    TakeFigures(prepared, samples, {}, row);
+    return row;
+  }
 
   Result<Row> RunOne(std::int64_t run) const {
     Row row;
@@ -177,6 +262,8 @@ class ScenarioSubject : public Subject {
   const Registry& registry_;
   Plan plan_;
   std::vector<FigureInfo> figures_;
+  std::vector<int> batched_;  // outputs that batches give; empty: runs are made one by one
+  bool same_inputs_ = false;
 };
 
 /// Every axis must name a value of the scenario: `run` would not let --set make up a key either.

@@ -22,7 +22,8 @@ struct ScenarioOptions {
   std::string keep_traces = "none";  // none, failing, all
   std::string traces;                // folder
   bool vary_seed = true;
-  Value root;  // of the campaign: where its keys are written
+  std::string batch = "auto";  // auto, always, never
+  Value root;                  // of the campaign: where its keys are written
 };
 
 /// Reads the scenario, finds the axes' keys in it (and tells `axes` the nominal values), and tries the corners.

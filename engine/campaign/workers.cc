@@ -77,6 +77,10 @@ bool WriteAll(int pipe, std::string_view text) {
       }
       break;
     } catch (const std::exception& error) {  // a fault of a plugin, or out of memory: that run's row
+      if (subject.batch() > 1 && !one_by_one) {
+        one_by_one = true;
+        continue;
+      }
       Row row{left.begin, score::Verdict::kBroken, {}, fmt::format("unexpected: {}", error.what())};
       row.figures.assign(subject.figures().size(), std::numeric_limits<double>::quiet_NaN());
       ++left.begin;
@@ -234,8 +238,9 @@ class Workers {
     }
     const int signal = WIFSIGNALED(state) ? WTERMSIG(state) : 0;
     const bool from_outside = signal == SIGKILL || signal == SIGTERM || signal == SIGHUP;
-    if (!worker.too_long && campaign_.subject->batch() > 1 && !worker.one_by_one) {
+    if (campaign_.subject->batch() > 1 && !worker.one_by_one) {
       worker.one_by_one = true;  // find out which run of the batch it was
+      worker.too_long = false;
     } else if (worker.too_long || !from_outside || ++worker.kills > kMostKills) {
       Row row{worker.next(), score::Verdict::kBroken, {}, ""};
       row.figures.assign(campaign_.subject->figures().size(), std::numeric_limits<double>::quiet_NaN());
@@ -258,7 +263,8 @@ class Workers {
   void LookForStuck() {
     if (campaign_.most_seconds <= 0.0) return;
     for (Worker& worker : workers_) {
-      if (worker.too_long || SecondsSince(worker.last) < campaign_.most_seconds) continue;
+      const int together = worker.one_by_one ? 1 : campaign_.subject->batch();
+      if (worker.too_long || SecondsSince(worker.last) < together * campaign_.most_seconds) continue;
       worker.too_long = true;
       kill(worker.process, SIGKILL);
     }
