@@ -3,7 +3,9 @@
 #include <filesystem>
 
 #include "base/text.h"
+#include "campaign/command_subject.h"
 #include "campaign/scenario_subject.h"
+#include "campaign/suppression_subject.h"
 #include "experiment/build_info.h"
 #include "scenario/load.h"
 
@@ -16,9 +18,10 @@ constexpr std::int64_t kMostRuns = 100'000'000;
 
 /// The campaign file.
 struct Spec {
-  std::string title, scenario, sampling = "random", keep_traces = "none", batch = "auto";
-  std::vector<std::string> set, checks;
+  std::string title, scenario, study, sampling = "random", keep_traces = "none", batch = "auto";
+  std::vector<std::string> set, checks, command;
   std::vector<Value> axis;
+  std::vector<std::pair<std::string, Value>> parameters;
   std::vector<std::pair<std::string, FigureSpec>> figure;
   std::vector<std::pair<std::string, RateSpec>> rate;
   Value slurm;
@@ -27,7 +30,10 @@ struct Spec {
   double most_failing = 0.0, most_seconds = 0.0;
   void Visit(auto& v) {
     v.Required("title", title, Any(), "what the campaign is to find out");
-    v.Required("scenario", scenario, Any(), "what is run: a scenario by id or file");
+    v.Optional("scenario", scenario, Any(), "what is run: a scenario by id or file");
+    v.Optional("study", study, std::vector<std::string>{"suppression"}, "instead: a study of the engine");
+    v.Optional("command", command, Any(), "instead: a program and its arguments, {KEY} standing for an axis");
+    v.Optional("parameters", parameters, Any(), "values of the study for all runs");
     v.Optional("set", set, Any(), "KEY=VALUE changes of the scenario for all runs");
     v.Optional("samples", samples, Between(0, static_cast<double>(kMostRuns)), "draws at each point of the grid");
     v.Optional("sampling", sampling, std::vector<std::string>{"random", "latin_hypercube"}, "how axes are drawn");
@@ -96,6 +102,9 @@ std::int64_t RunsOf(const std::vector<AxisSpec>& axes, std::int64_t samples) {
 std::unique_ptr<Subject> MakeSubject(Spec& spec, const Value& root, const std::string& file, const std::string& folder,
                                      Axes& axes, const Registry& registry, std::string& text,
                                      Diagnostics& diagnostics) {
+  if (!spec.study.empty()) return MakeSuppressionSubject(spec.parameters, root, axes, diagnostics);
+  if (!spec.command.empty())
+    return MakeCommandSubject(std::move(spec.command), std::move(spec.figure), root, axes, folder, diagnostics);
   ScenarioOptions options;
   options.scenario = spec.scenario;
   options.folder = fs::path(file).parent_path().string();
@@ -120,6 +129,11 @@ std::unique_ptr<Campaign> LoadCampaign(const std::string& file, const std::strin
   const Value& root = plan->root;
   Spec spec;
   ReadParams(root, spec, diagnostics, "campaign");
+  const int subjects = (spec.scenario.empty() ? 0 : 1) + (spec.study.empty() ? 0 : 1) + (spec.command.empty() ? 0 : 1);
+  if (subjects != 1) {
+    diagnostics.Error(root.where(), fmt::format("the campaign names {} subjects", subjects),
+                      "exactly one of scenario, study, command");
+  }
   auto campaign = std::make_unique<Campaign>();
   if (root.Find("slurm") != nullptr) {
     if (spec.slurm.is_table())
