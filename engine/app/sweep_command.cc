@@ -14,6 +14,7 @@
 #include "campaign/slurm.h"
 #include "campaign/table.h"
 #include "campaign/workers.h"
+#include "reports/campaign_page.h"
 #include "reports/run_report.h"
 
 namespace dynoproof::app {
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct SweepArguments {
   Common common;
-  std::string campaign, executor = "local", out = "out", task, expect;
+  std::string campaign, executor = "local", out = "out", html, task, expect;
   int jobs = 0;
   std::int64_t run = -1, number = -1;
   bool resume = false;
@@ -176,6 +177,8 @@ int Finish(const SweepArguments& arguments, const campaign::Campaign& campaign, 
         fmt::format("\n{:.1f} s of computing, {:.3g} ms a run, at most {:.0f} MB a worker; table: {}\n", summary.wall_s,
                     1e3 * summary.wall_s / static_cast<double>(summary.runs), summary.peak_MB,
                     (fs::path(store.folder()) / "table.csv").string()));
+  if (!arguments.html.empty())
+    exit = reports::WorseExit(exit, WriteHtml(arguments.html, reports::CampaignPage(campaign, *rows, summary, again)));
   document["exit"] = exit;
   document["cost"] = {{"wall_s", summary.wall_s}, {"cpu_s", summary.cpu_s}, {"peak_MB", summary.peak_MB}};
   return reports::WorseExit(exit, WriteJson(arguments.common, document));
@@ -298,7 +301,7 @@ int Sweep(const SweepArguments& arguments) {
     Complain(other->ToString() + "\n");
     return other->exit_code;
   }
-  if (!Writable(folder) || !CanWrite({arguments.common.json})) return kBroken;
+  if (!Writable(folder) || !CanWrite({arguments.html, arguments.common.json})) return kBroken;
   if (const Status failed = WriteFileAtomically(fs::path(folder) / "campaign.toml", campaign->text))
     return Stopped(*failed, arguments);
 
@@ -334,6 +337,7 @@ void AddSweep(CLI::App& program, int& exit) {
   command->add_option("--out", arguments->out, "results go to a folder named after the campaign in here (default out)");
   command->add_flag("--resume", arguments->resume, "make only what is missing there");
   command->add_option("--run", arguments->run, "make this run alone and show it")->check(CLI::NonNegativeNumber);
+  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
   // What an array task is called with.
   command->add_option("--task", arguments->task)->group("");
   command->add_option("--number", arguments->number)->group("");

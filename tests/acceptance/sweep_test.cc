@@ -155,7 +155,10 @@ TEST_F(Campaign, ARowIsWhatRunGivesForTheSameValues) {
 }
 
 TEST_F(Campaign, SummaryAndHdf5SayTheSameAsTheRows) {
-  const nlohmann::json summary = bench_.Json({"sweep", "spread.toml"});
+  const nlohmann::json summary = bench_.Json({"sweep", "spread.toml", "--html", "page.html"});
+  const std::string page = ReadBytes(bench_ / "page.html");
+  EXPECT_THAT(page, HasSubstr("dynoproof sweep spread.toml --run 12")) << "the first failing run, and how to see it";
+  EXPECT_THAT(page, HasSubstr("T_peak over plant.inertia.I3"));
   const auto table = Table();
   std::vector<double> peaks;
   int failing = 0;
@@ -356,6 +359,57 @@ at_most = 60.0
   const std::string table = ReadBytes(bench / "out/crash/table.csv");
   for (const char* why : {"signal 6", "signal 11", "stumbled", "not a finite number", "took longer than 2 s"})
     EXPECT_THAT(table, HasSubstr(why));
+}
+
+TEST(CampaignOfAStudy, AxesSetItsParametersAndRatesAreCounted) {
+  const Bench bench;
+  const std::string file = R"(title = "suppression"
+study = "suppression"
+most_failing = 1.0
+[parameters]
+duration_s = 0.4
+[[axis]]
+key = "load"
+list = ["quiet", "near_tone"]
+[[axis]]
+key = "k_V"
+list = [2.1, 9.7]
+[rate.found]
+hits = "found"
+of = "unstable_modes"
+by = "load"
+)";
+  bench.Write("study.toml", file);
+  const nlohmann::json result = bench.Json({"sweep", "study.toml"});
+  EXPECT_EQ(result["exit"], 0);
+  EXPECT_EQ(result["figures"]["unstable_modes"]["quantiles"]["0"], 0.0) << "k_V = 2.1 is stable";
+  EXPECT_GT(result["rates"]["found"]["groups"]["quiet"]["of"].get<int>(), 0) << "k_V = 9.7 is not";
+  std::string wrong = file;
+  wrong.replace(wrong.find("near_tone"), 9, "near_tune");
+  bench.Write("wrong.toml", wrong);
+  const Outcome refused = bench.Call({"sweep", "wrong.toml"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("near_tone"));
+}
+
+TEST(CampaignOfAProgram, TakesWhatItPrintsAndSurvivesItsFailures) {
+  const Bench bench;
+  bench.Write("program.toml", R"(title = "a shell"
+command = ["sh", "-c", "echo work > {folder}/log; echo hello; [ {x} != 2 ] && echo '{\"twice\": '$(({x} * 2))'}'"]
+[[axis]]
+key = "x"
+list = [1, 2, 3]
+[figure.y]
+from = "twice"
+at_most = 5
+)");
+  const nlohmann::json result = bench.Json({"sweep", "program.toml", "--jobs", "2"});
+  EXPECT_EQ(result["exit"], 3);
+  EXPECT_EQ(result["verdicts"]["pass"], 1);
+  EXPECT_EQ(result["verdicts"]["fail"], 1);
+  EXPECT_EQ(result["verdicts"]["broken"], 1);
+  EXPECT_EQ(result["figures"]["y"]["quantiles"]["1"], 6.0);
+  EXPECT_EQ(ReadBytes(bench / "out/program/work/run_000000002/log"), "work\n");
 }
 
 }  // namespace
