@@ -38,6 +38,8 @@ class BatchPropagator {
   static Result<BatchPropagator> Create(std::span<const ModalForm* const> forms, double interval_s,
                                         std::span<const int> outputs, CpuClass cpu_class = DetectCpuClass());
 
+  BatchPropagator(BatchPropagator&&) = default;  // a copy's plan would point into the original
+
   int pairs() const { return plan_.pairs; }
   /// Doubles of a state, for all lanes; zeros at first.
   std::size_t state_size() const {
