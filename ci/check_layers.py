@@ -19,8 +19,10 @@ MAY_INCLUDE = {
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "mechanics", "base", "control10k"],
     "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
     "history": ["score", "base"],
-    "reports": ["history", "diagnosis", "experiment", "score", "trace", "model", "mechanics", "base"],
-    "app": ["reports", "history", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base"],
+    "campaign": ["experiment", "scenario", "sim", "trace", "score", "model", "mechanics", "base", "control10k"],
+    "reports": ["campaign", "history", "diagnosis", "experiment", "score", "trace", "model", "mechanics", "base"],
+    "app": ["reports", "campaign", "history", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model",
+            "mechanics", "base"],
 }
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 

@@ -38,8 +38,17 @@ step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py --time --json out/nightly/budgets.json
 step bench ./build/dynoproof bench --json out/nightly/bench.json
-step robustness ./build/bench/robustness --runs 1050 --jobs "$(nproc)" --worst --json out/nightly/robustness.json
-step robustness-probing ./build/bench/robustness --runs 350 --jobs "$(nproc)" --probe 0.0005 --json out/nightly/robustness_probing.json
-step blind ./build/tests/blind_suite build/dynoproof --cases 150 --seed "$(date +%Y%m%d)" --out out/nightly/blind --json out/nightly/blind.json
+# Campaigns begin anew every night: rows of another build are refused.
+rm -rf out/nightly/campaigns
+campaign() {  # campaign NAME [JOBS]
+  step "$1" ./build/dynoproof sweep "bench/campaigns/$1.toml" --out out/nightly/campaigns --json "out/nightly/$1.json" --jobs "${2:-$(nproc)}"
+}
+campaign suppression
+campaign suppression_probing
+campaign r2r_spread
+step worst_load ./build/bench/worst_load --json out/nightly/worst_load.json
+# Other cases every night; each diagnosis uses all cores.
+printf 'include = ["%s/bench/campaigns/blind.toml"]\nseed = %s\n' "$PWD" "$(date +%Y%m%d)" >out/nightly/blind.toml
+step blind ./build/dynoproof sweep out/nightly/blind.toml --jobs 1 --out out/nightly/campaigns --json out/nightly/blind.json
 step gate-proved ./bench/ab.py --prove build --json out/nightly/gate.json
 exit $failed

@@ -12,10 +12,11 @@ missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
 done
-# npm, of whatever origin, fetches what draws the report's pictures. Without it they are drawn plainly: its absence stops
-# nothing.
+# npm, of whatever origin, fetches what draws the report's pictures; Slurm is what campaigns on a cluster are tested with.
+# Without npm the pictures are drawn plainly, without Slurm its test is skipped: their absence stops nothing.
 wanted=()
-command -v npm >/dev/null || wanted=(npm)
+command -v npm >/dev/null || wanted+=(npm)
+command -v slurmctld >/dev/null || [ -x /usr/sbin/slurmctld ] || wanted+=(slurm-wlm munge)
 [ ${#missing[@]} -eq 0 ] && [ ${#wanted[@]} -eq 0 ] && exit 0
 
 echo "installing: ${missing[*]} ${wanted[*]}"
@@ -29,5 +30,13 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 if [ ${#wanted[@]} -gt 0 ]; then
   [ ${#missing[@]} -gt 0 ] || $sudo apt-get update -qq || true
-  install "${wanted[@]}" || echo "setup: npm could not be installed, the report's pictures will be drawn plainly"
+  # Nobody here wants the services of these packages started.
+  policy=/usr/sbin/policy-rc.d
+  if [ ! -e "$policy" ]; then
+    printf '#!/bin/sh\nexit 101\n' | $sudo tee "$policy" >/dev/null && $sudo chmod +x "$policy"
+    trap '$sudo rm -f "$policy"' EXIT
+  fi
+  for package in "${wanted[@]}"; do
+    install "$package" || echo "setup: $package could not be installed, what needs it is left out"
+  done
 fi

@@ -65,6 +65,7 @@ void AddNew(CLI::App& program, int& exit);
 void AddCompare(CLI::App& program, int& exit);
 void AddReproduce(CLI::App& program, int& exit);
 void AddBench(CLI::App& program, int& exit);
+void AddSweep(CLI::App& program, int& exit);
 void AddDiagnose(CLI::App& program, int& exit);
 void AddHistory(CLI::App& program, int& exit);
 void AddBless(CLI::App& program, int& exit);

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   app::AddDiagnose(program, exit);
   app::AddBench(program, exit);
   app::AddHistory(program, exit);
+  app::AddSweep(program, exit);
   app::AddBless(program, exit);
   app::AddList(program, exit);
   app::AddDescribe(program, exit);

@@ -136,8 +136,10 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   if (!course.ok()) return broken(course.failure());
   result.counters = course->samples.counters;
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
-  if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
-  result.trace_file = file;
+  if (!options.out.empty()) {
+    if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
+    result.trace_file = file;
+  }
 
   CheckContext context(prepared.plan, *prepared.rig, course->samples, prepared.rig->run.solver);
   context.trace = &course->trace;
@@ -165,13 +167,15 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   } else if (result.checks.empty()) {
     result.notes.push_back("the scenario states no checks: nothing was compared");
   }
-  const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
-    return check.name.starts_with("golden") && check.verdict != score::Verdict::kPass;
-  });
-  const Result<std::string> note = KeepGolden(
-      result.id, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
-  if (!note.ok()) return broken(note.failure());
-  if (!note->empty()) result.notes.push_back(*note);
+  if (!options.out.empty()) {
+    const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
+      return check.name.starts_with("golden") && check.verdict != score::Verdict::kPass;
+    });
+    const Result<std::string> note = KeepGolden(
+        result.id, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
+    if (!note.ok()) return broken(note.failure());
+    if (!note->empty()) result.notes.push_back(*note);
+  }
   const bool inputs_alone = data != nullptr && result.checks.empty();
   result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
   if (options.seen) options.seen(*course, context, result);

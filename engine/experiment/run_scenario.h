@@ -34,7 +34,7 @@ struct Course {
 };
 
 struct RunOptions {
-  std::string out = "out";             // folder; traces go to out/<id>.h5
+  std::string out = "out";             // folder; traces go to out/<id>.h5; empty: none is written
   const MappedRecord* data = nullptr;  // --data: its comparison takes the place of the scenario's checks
   std::string today = {};              // for accepted gaps, "2026-01-31"; empty: by the clock
   Progress progress = {};

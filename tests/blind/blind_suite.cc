@@ -2,7 +2,10 @@
 // writes what a logger would have written, has the program diagnose the file, and opens the truth only then.
 //
 //   blind_suite PROGRAM --cases 40 --seed 1 [--scenario ID]... [--kind effect|null|decoy|unknown] [--out DIR] [--json
-//   FILE]
+//   FILE] [--line]
+//
+// With --line the last line is a JSON object of counts: so a campaign makes case after case
+// (bench/campaigns/blind.toml).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -279,6 +282,7 @@ struct Suite {
   std::uint64_t seed = 1;
   int cases = 20;
   double duration_s = 4.0;
+  bool line = false;
 };
 
 std::string Judged(const Case& hidden, const json& result) {
@@ -462,6 +466,16 @@ int Run(const Suite& suite) {
       done, seconds / std::max(1, done), wrong, effects, 100.0 * UpperBound(wrong, effects), alarms, others,
       100.0 * UpperBound(alarms, others));
   if (!suite.json_file.empty()) std::ofstream(suite.json_file) << all.dump(2) << "\n";
+  if (suite.line) {
+    json line = {{"cases", done}, {"effects", effects}, {"others", others}};
+    for (const char* outcome : {"right", "in the set", "abstained", "missed", "wrong", "false alarm", "broken"}) {
+      line[outcome] = 0;
+      for (const auto& [row, outcomes] : confusion)
+        line[outcome] = line[outcome].get<int>() + (outcomes.contains(outcome) ? outcomes.at(outcome) : 0);
+    }
+    std::cout << line.dump() << "\n";
+    return 0;  // the campaign judges
+  }
   return wrong + alarms > 0 ? 1 : 0;
 }
 
@@ -489,6 +503,8 @@ int main(int argc, char** argv) {
       suite.out = value();
     else if (word == "--json")
       suite.json_file = value();
+    else if (word == "--line")
+      suite.line = true;
     else
       suite.program = word;
   }

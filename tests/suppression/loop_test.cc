@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "base/subnormals.h"
 #include "experiment/prepare.h"
-#include "experiment/suppression_campaign.h"
+#include "experiment/suppression_case.h"
 #include "experiment/suppression_loop.h"
 #include "mechanics/torque_loop.h"
 #include "sim/simulate.h"
@@ -124,24 +124,24 @@ TEST(SuppressionLoop, FiltersFollowADriftingDevice) {
   EXPECT_LT(std::abs(loop->T_shaft_Nm()), 50.0);
 }
 
-TEST(SlowCampaign, AShortPartOfIt) {
-  CampaignOptions options;
-  options.runs = 42;
-  options.seed = 1;
-  options.duration_s = 1.5;
-  const auto runs = RunCampaign(options);
-  ASSERT_TRUE(runs.ok());
-  const std::vector<CampaignSummary> lines = Summarise(*runs);
-  ASSERT_EQ(lines.size(), kLoadNames.size() + 1);
-  EXPECT_EQ(lines.back().runs, 42);
-  EXPECT_GT(lines.back().found.of, 20);
-  // Without a load nothing is placed where the loop does not oscillate.
-  EXPECT_EQ(lines.front().load, "quiet");
-  EXPECT_EQ(lines.front().false_placements.hits, 0);
-  options.jobs = 2;
-  const auto again = RunCampaign(options);
-  ASSERT_TRUE(again.ok());
-  for (std::size_t i = 0; i < runs->size(); ++i) EXPECT_EQ((*runs)[i].peak_Nm, (*again)[i].peak_Nm);
+TEST(SlowCases, WithoutALoadNothingIsPlacedWhereTheLoopDoesNotOscillate) {
+  std::size_t unstable = 0, found = 0;
+  for (const double k_V : {2.1, 5.0, 7.0, 9.7}) {
+    for (const double I5 : {0.081, 0.171, 0.311}) {
+      SuppressionParameters parameters;
+      parameters.k_V = k_V;
+      parameters.I5_kg_m2 = I5;
+      parameters.duration_s = 1.5;
+      const auto run = RunCase(parameters, 1), again = RunCase(parameters, 1);
+      ASSERT_TRUE(run.ok() && again.ok());
+      for (const auto& placement : run->placements) EXPECT_TRUE(placement.right) << k_V << " " << I5;
+      unstable += run->unstable_Hz.size();
+      found += static_cast<std::size_t>(run->found);
+      EXPECT_EQ(run->peak_Nm, again->peak_Nm);
+    }
+  }
+  EXPECT_GE(unstable, 6u);
+  EXPECT_GE(2 * found, unstable);
 }
 
 TEST(Campaign, AMisleadingToneIsSmall) {

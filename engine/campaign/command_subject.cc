@@ -1,0 +1,127 @@
+#include "campaign/command_subject.h"
+
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "campaign/process.h"
+
+namespace dynoproof::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CommandSubject : public Subject {
+ public:
+  CommandSubject(std::vector<std::string> command, std::vector<std::pair<std::string, FigureSpec>> figures,
+                 const Axes& axes, std::string folder)
+      : command_(std::move(command)), specs_(std::move(figures)), axes_(axes), folder_(std::move(folder)) {
+    for (const auto& [name, spec] : specs_) figures_.push_back({name, "1"});
+  }
+
+  const std::vector<FigureInfo>& figures() const override { return figures_; }
+
+  Status Run(Range runs, bool, const std::function<void(Row)>& done) const override {
+    for (std::int64_t run = runs.begin; run < runs.end; ++run) {
+      std::error_code error;
+      const std::string folder = FolderOf(run);
+      fs::create_directories(folder, error);
+      if (error) return Failure{error.message(), folder};
+      done(RowOf(run, Ask(Words(run))));
+      fs::remove(folder, error);  // if it is empty
+    }
+    return {};
+  }
+
+  std::string Command(std::int64_t run) const override {
+    std::string command;
+    for (const std::string& word : Words(run)) command += (command.empty() ? "" : " ") + word;
+    return command;
+  }
+
+ private:
+  std::string FolderOf(std::int64_t run) const {
+    return (fs::path(folder_) / "work" / fmt::format("run_{:09}", run)).string();
+  }
+
+  std::vector<std::string> Words(std::int64_t run) const {
+    std::vector<std::string> words = command_;
+    const auto put = [&words](const std::string& key, const std::string& text) {
+      const std::string place = "{" + key + "}";
+      for (std::string& word : words) {
+        for (std::size_t at = 0; (at = word.find(place, at)) != std::string::npos; at += text.size())
+          word.replace(at, place.size(), text);
+      }
+    };
+    for (std::size_t i = 0; i < axes_.size(); ++i) put(axes_.spec(i).key, TextOf(axes_.At(i, run)));
+    put("run", fmt::format("{}", run));
+    put("seed", fmt::format("{}", axes_.Seed(run)));
+    put("folder", FolderOf(run));
+    return words;
+  }
+
+  Row RowOf(std::int64_t run, const Answer& answer) const {
+    Row row;
+    row.run = run;
+    row.figures.assign(specs_.size(), std::numeric_limits<double>::quiet_NaN());
+    row.verdict = score::Verdict::kBroken;
+    std::string last = answer.out.substr(0, answer.out.find_last_not_of("\r\n ") + 1);
+    last.erase(0, last.rfind('\n') + 1);  // npos + 1 = 0
+    if (answer.exit != 0) {
+      row.why = fmt::format("exit {}: {}", answer.exit, last);
+      return row;
+    }
+    const nlohmann::json found = nlohmann::json::parse(last, nullptr, false);
+    if (!found.is_object()) {
+      row.why = "its last line is no JSON object: " + last;
+      return row;
+    }
+    bool judged = false;
+    row.verdict = score::Verdict::kPass;
+    for (std::size_t i = 0; i < specs_.size(); ++i) {
+      const auto& [name, spec] = specs_[i];
+      const auto value = found.find(spec.from);
+      if (value != found.end() && value->is_number()) row.figures[i] = value->get<double>();
+      judged = judged || spec.limited();
+      const std::string fault = spec.Fault(name, row.figures[i]);
+      if (fault.empty()) continue;
+      row.verdict = score::Verdict::kFail;
+      if (row.why.empty()) row.why = fault;
+    }
+    if (judged) return row;
+    row.verdict = score::Verdict::kInconclusive;
+    row.why = "no limit: nothing was judged";
+    return row;
+  }
+
+  std::vector<std::string> command_;
+  std::vector<std::pair<std::string, FigureSpec>> specs_;
+  const Axes& axes_;
+  std::string folder_;
+  std::vector<FigureInfo> figures_;
+};
+
+}  // namespace
+
+std::unique_ptr<Subject> MakeCommandSubject(std::vector<std::string> command,
+                                            std::vector<std::pair<std::string, FigureSpec>> figures, const Value& root,
+                                            const Axes& axes, const std::string& folder, Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  for (const auto& [name, spec] : figures) {
+    if (!spec.from.empty()) continue;
+    diagnostics.Error(root.FindPath("figure." + name)->where(), "a program has no signals",
+                      "from = the name of a number it prints");
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const bool used = std::any_of(command.begin(), command.end(), [&](const std::string& word) {
+      return word.find("{" + axes.spec(i).key + "}") != std::string::npos;
+    });
+    if (!used)
+      diagnostics.Error(root.Find("axis")->array()[i].where(),
+                        fmt::format("the command has no {{{}}}: the axis would change nothing", axes.spec(i).key));
+  }
+  if (diagnostics.error_count() != before) return nullptr;
+  return std::make_unique<CommandSubject>(std::move(command), std::move(figures), axes, folder);
+}
+
+}  // namespace dynoproof::campaign

@@ -1,0 +1,54 @@
+// The result of a campaign: one row a run, as HDF5 and CSV, and what the rows say together. The tables hold nothing
+// that depends on where, when or by how many the runs were made: equal campaigns give equal bytes. Costs stand beside.
+//
+//   table.csv   run, [seed,] axes, figures, verdict, why; texts in quotes
+//   table.h5    /axes/<key>, /figures/<name> (attribute unit), /run, /seed, /verdict (codes; attribute codes), each
+//               float64 [runs]; texts of an axis as attribute labels, one a line; /why: a line "run: reason" for each
+//               run that has one; /campaign: its TOML; /provenance
+//   costs.csv   run, wall_s, cpu_s, peak_MB
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "campaign/campaign.h"
+#include "campaign/rows.h"
+#include "score/rate.h"
+
+namespace dynoproof::campaign {
+
+struct FigureSummary {
+  std::string name, unit;
+  std::int64_t runs = 0;                                  // that have it
+  double mean = 0.0, mean_lower = 0.0, mean_upper = 0.0;  // 95 %
+  double least = 0.0, q05 = 0.0, q25 = 0.0, median = 0.0, q75 = 0.0, q95 = 0.0, largest = 0.0;
+  double median_lower = 0.0, median_upper = 0.0;  // 95 %, from the ranks: whatever the distribution
+  std::int64_t least_run = 0, largest_run = 0;
+  std::vector<double> rank_correlation;  // Spearman's, with each axis
+};
+
+struct RateSummary {
+  std::string name, group;  // group: "" for all, else the value of the axis
+  score::Rate rate;
+};
+
+struct Summary {
+  std::int64_t runs = 0;
+  std::map<std::string, std::int64_t> verdicts;
+  score::Rate failing, broken;
+  std::vector<FigureSummary> figures;
+  std::vector<RateSummary> rates;
+  double wall_s = 0.0, cpu_s = 0.0, peak_MB = 0.0;  // summed over the runs; the largest
+};
+
+Summary Summarise(const Campaign& campaign, const std::vector<Row>& rows, const std::vector<Cost>& costs);
+
+/// Runs with the worst first: broken, failing, inconclusive, then the others by their number; at most `most`.
+std::vector<std::int64_t> WorstRuns(const std::vector<Row>& rows, std::size_t most);
+
+/// Writes table.csv, table.h5 and costs.csv into the folder.
+Status WriteTables(const Campaign& campaign, const Rows& rows, const std::vector<Cost>& costs,
+                   const std::string& folder);
+
+}  // namespace dynoproof::campaign

@@ -1,0 +1,124 @@
+#include "reports/campaign_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "reports/html.h"
+
+namespace dynoproof::reports {
+namespace {
+
+constexpr std::size_t kSamples = 2'000'000, kWorst = 20;  // some 6 MB of points
+
+std::string Number(double value) { return std::isfinite(value) ? fmt::format("{:.5g}", value) : "–"; }
+
+std::string Percent(const score::Rate& rate) {
+  return fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100.0 * rate.value(), 100.0 * rate.lower(), 100.0 * rate.upper());
+}
+
+/// Figure over axis: a point a run, those that pass apart from the others.
+Picture FigureOver(const campaign::Campaign& campaign, const campaign::Rows& rows, std::size_t figure,
+                   std::size_t axis) {
+  const campaign::FigureInfo& info = campaign.subject->figures()[figure];
+  const std::string& key = campaign.axes.spec(axis).key;
+  Picture picture;
+  picture.key = info.name + " over " + key;
+  picture.title = info.name + " over " + key;
+  const std::vector<std::string> labels = campaign.axes.Labels(axis);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    picture.note += fmt::format("{}{}: {}", i == 0 ? "" : ", ", i, labels[i]);
+  picture.x = {key, ""};
+  picture.y = {info.name, info.unit == "1" ? "" : info.unit};
+  Curve pass{"pass", {}, {}, Curve::Style::kPoints}, other{"not passed", {}, {}, Curve::Style::kCrosses};
+  std::vector<std::pair<double, const campaign::Row*>> points;
+  for (const campaign::Row& row : rows.rows) {
+    if (std::isfinite(row.figures[figure])) points.emplace_back(campaign.axes.Number(axis, row.run), &row);
+  }
+  std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [x, row] : points) {
+    Curve& curve = row->verdict == score::Verdict::kPass ? pass : other;
+    curve.x.push_back(x);
+    curve.y.push_back(row->figures[figure]);
+  }
+  for (Curve* curve : {&pass, &other}) {
+    if (!curve->x.empty()) picture.curves.push_back(std::move(*curve));
+  }
+  return picture;
+}
+
+std::string FigureTable(const campaign::Summary& summary) {
+  std::string rows;
+  for (const campaign::FigureSummary& one : summary.figures) {
+    std::vector<Cell> cells = {{Escape(one.name)}, {Escape(one.unit)}, {fmt::format("{}", one.runs), "number"}};
+    if (one.runs > 0) {
+      for (const double value : {one.least, one.q05, one.median, one.q95, one.largest, one.mean})
+        cells.push_back({Number(value), "number"});
+      cells.push_back({fmt::format("[{}, {}]", Number(one.median_lower), Number(one.median_upper))});
+    }
+    rows += Row(cells);
+  }
+  return Table(std::vector<Cell>{{"figure"},
+                                 {"unit"},
+                                 {"runs", "number"},
+                                 {"least", "number"},
+                                 {"5 %", "number"},
+                                 {"median", "number"},
+                                 {"95 %", "number"},
+                                 {"largest", "number"},
+                                 {"mean", "number"},
+                                 {"median within (95 %)"}},
+               rows);
+}
+
+std::string RateTable(const campaign::Summary& summary) {
+  std::string rows;
+  for (const campaign::RateSummary& one : summary.rates) {
+    rows += Row(std::vector<Cell>{{Escape(one.name)},
+                                  {Escape(one.group.empty() ? "all" : one.group)},
+                                  {fmt::format("{} of {}", one.rate.hits, one.rate.of), "number"},
+                                  {Percent(one.rate), "number"}});
+  }
+  if (rows.empty()) return "";
+  return Table(std::vector<Cell>{{"rate"}, {"of"}, {"counted", "number"}, {"share, 95 % interval", "number"}}, rows);
+}
+
+std::string WorstTable(const campaign::Rows& rows, const std::string& again) {
+  std::string text;
+  for (const std::int64_t run : campaign::WorstRuns(rows.rows, kWorst)) {
+    const campaign::Row& row = rows.rows[static_cast<std::size_t>(run)];
+    text += Row(std::vector<Cell>{{fmt::format("{}", run), "number"},
+                                  {fmt::format("<span class=\"verdict {0}\">{0}</span>", score::ToString(row.verdict))},
+                                  {Escape(row.why), "wide"},
+                                  {Escape(fmt::format("{} --run {}", again, run)), "key"}});
+  }
+  return Table(std::vector<Cell>{{"run", "number"}, {"verdict"}, {"why"}, {"again"}}, text);
+}
+
+}  // namespace
+
+std::string CampaignPage(const campaign::Campaign& campaign, const campaign::Rows& rows,
+                         const campaign::Summary& summary, const std::string& again) {
+  std::string body = fmt::format("<section id=\"overview\"><h2>{}: {} runs, failing {}</h2>\n", Escape(campaign.title),
+                                 summary.runs, Percent(summary.failing));
+  body += FigureTable(summary) + RateTable(summary) + "</section>\n<section id=\"worst\"><h2>Worst runs first</h2>\n" +
+          WorstTable(rows, again) + "</section>\n";
+  std::vector<Picture> pictures;
+  for (std::size_t figure = 0; figure < campaign.subject->figures().size(); ++figure) {
+    for (std::size_t axis = 0; axis < campaign.axes.size(); ++axis) {
+      Picture picture = FigureOver(campaign, rows, figure, axis);
+      if (!picture.curves.empty()) pictures.push_back(std::move(picture));
+    }
+  }
+  body += "<section id=\"figures\"><h2>Figures over axes</h2>\n" + Figures("data-figures", pictures, kSamples) +
+          "</section>\n";
+  const trace::Provenance build = BuildProvenance();
+  return Page("dynoproof sweep: " + campaign.id,
+              fmt::format("dynoproof {}, {}, {}; rows made on {}", build.Text("version").value_or(""),
+                          build.Text("commit").value_or(""), build.Text("compiler").value_or(""), rows.cpu),
+              body);
+}
+
+}  // namespace dynoproof::reports
