@@ -1,5 +1,6 @@
 #include "campaign/campaign.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "base/text.h"
@@ -18,8 +19,8 @@ constexpr std::int64_t kMostRuns = 100'000'000;
 
 /// The campaign file.
 struct Spec {
-  std::string title, scenario, study, sampling = "random", keep_traces = "none", batch = "auto";
-  std::vector<std::string> set, checks, command;
+  std::string title, scenario, diagnose, study, sampling = "random", keep_traces = "none", batch = "auto";
+  std::vector<std::string> set, checks, command, data, map, holdout;
   std::vector<Value> axis;
   std::vector<std::pair<std::string, Value>> parameters;
   std::vector<std::pair<std::string, FigureSpec>> figure;
@@ -31,6 +32,10 @@ struct Spec {
   void Visit(auto& v) {
     v.Required("title", title, Any(), "what the campaign is to find out");
     v.Optional("scenario", scenario, Any(), "what is run: a scenario by id or file");
+    v.Optional("diagnose", diagnose, Any(), "instead: a scenario that is held against records, by id or file");
+    v.Optional("data", data, Any(), "records of diagnose; {KEY} stands for an axis");
+    v.Optional("map", map, Any(), "their maps");
+    v.Optional("holdout", holdout, Any(), "its hold-out records");
     v.Optional("study", study, std::vector<std::string>{"suppression"}, "instead: a study of the engine");
     v.Optional("command", command, Any(), "instead: a program and its arguments, {KEY} standing for an axis");
     v.Optional("parameters", parameters, Any(), "values of the study for all runs");
@@ -99,10 +104,29 @@ std::int64_t RunsOf(const std::vector<AxisSpec>& axes, std::int64_t samples) {
   return static_cast<std::int64_t>(std::min(runs, 9e18));
 }
 
+/// `dynoproof diagnose` as a program: what its records do not name of the axes changes the nominal scenario.
+std::vector<std::string> DiagnoseCommand(const Spec& spec, const Axes& axes) {
+  std::error_code error;
+  std::vector<std::string> command = {fs::read_symlink("/proc/self/exe", error).string(), "diagnose", spec.diagnose};
+  for (const auto& [option, files] : {std::pair("--data", &spec.data), std::pair("--map", &spec.map),
+                                      std::pair("--holdout", &spec.holdout), std::pair("--set", &spec.set)}) {
+    for (const std::string& file : *files) command.insert(command.end(), {option, file});
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::string place = "{" + axes.spec(i).key + "}";
+    const bool named = std::any_of(command.begin(), command.end(),
+                                   [&place](const std::string& word) { return word.find(place) != std::string::npos; });
+    if (!named) command.insert(command.end(), {"--set", axes.spec(i).key + "=" + place});
+  }
+  command.insert(command.end(), {"--out", "{folder}", "--json", "-"});
+  return command;
+}
+
 std::unique_ptr<Subject> MakeSubject(Spec& spec, const Value& root, const std::string& file, const std::string& folder,
                                      Axes& axes, const Registry& registry, std::string& text,
                                      Diagnostics& diagnostics) {
   if (!spec.study.empty()) return MakeSuppressionSubject(spec.parameters, root, axes, diagnostics);
+  if (!spec.diagnose.empty()) spec.command = DiagnoseCommand(spec, axes);
   if (!spec.command.empty())
     return MakeCommandSubject(std::move(spec.command), std::move(spec.figure), root, axes, folder, diagnostics);
   ScenarioOptions options;
@@ -129,10 +153,15 @@ std::unique_ptr<Campaign> LoadCampaign(const std::string& file, const std::strin
   const Value& root = plan->root;
   Spec spec;
   ReadParams(root, spec, diagnostics, "campaign");
-  const int subjects = (spec.scenario.empty() ? 0 : 1) + (spec.study.empty() ? 0 : 1) + (spec.command.empty() ? 0 : 1);
+  const std::string* const names[] = {&spec.scenario, &spec.diagnose, &spec.study};
+  const auto subjects =
+      std::count_if(std::begin(names), std::end(names), [](const auto* name) { return !name->empty(); }) +
+      (spec.command.empty() ? 0 : 1);
+  if (!spec.diagnose.empty() && spec.data.empty())
+    diagnostics.Error(WhereIs(root, "diagnose"), "there is no record to explain", "add data = [\"...\"]");
   if (subjects != 1) {
     diagnostics.Error(root.where(), fmt::format("the campaign names {} subjects", subjects),
-                      "exactly one of scenario, study, command");
+                      "exactly one of scenario, diagnose, study, command");
   }
   auto campaign = std::make_unique<Campaign>();
   if (root.Find("slurm") != nullptr) {

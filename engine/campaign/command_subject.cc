@@ -60,6 +60,21 @@ class CommandSubject : public Subject {
     return words;
   }
 
+  /// What `path` ("residual.noise_floor") leads to. A text answers its name behind it with 1 ("verdict.no_effect"), any
+  /// other with 0; what leads nowhere is no number.
+  static double At(const nlohmann::json& found, const std::string& path) {
+    if (found.is_number() && path.empty()) return found.get<double>();
+    if (found.is_string() && !path.empty()) return found == path ? 1.0 : 0.0;
+    if (found.is_object() && found.contains(path)) return At(found.at(path), "");
+    for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', dot + 1)) {
+      const std::string head = path.substr(0, dot), rest = path.substr(dot + 1);
+      if (found.is_object() && found.contains(head)) return At(found.at(head), rest);
+      const bool index = head.find_first_not_of("0123456789") == std::string::npos && head.size() < 9;
+      if (found.is_array() && index && std::stoul(head) < found.size()) return At(found.at(std::stoul(head)), rest);
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
   Row RowOf(std::int64_t run, const Answer& answer) const {
     Row row;
     row.run = run;
@@ -71,17 +86,17 @@ class CommandSubject : public Subject {
       row.why = fmt::format("exit {}: {}", answer.exit, last);
       return row;
     }
-    const nlohmann::json found = nlohmann::json::parse(last, nullptr, false);
+    nlohmann::json found = nlohmann::json::parse(answer.out, nullptr, false);
+    if (!found.is_object()) found = nlohmann::json::parse(last, nullptr, false);
     if (!found.is_object()) {
-      row.why = "its last line is no JSON object: " + last;
+      row.why = "neither what it prints nor its last line is a JSON object: " + last;
       return row;
     }
     bool judged = false;
     row.verdict = score::Verdict::kPass;
     for (std::size_t i = 0; i < specs_.size(); ++i) {
       const auto& [name, spec] = specs_[i];
-      const auto value = found.find(spec.from);
-      if (value != found.end() && value->is_number()) row.figures[i] = value->get<double>();
+      row.figures[i] = At(found, spec.from);
       judged = judged || spec.limited();
       const std::string fault = spec.Fault(name, row.figures[i]);
       if (fault.empty()) continue;

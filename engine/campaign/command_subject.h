@@ -1,4 +1,5 @@
-// Any program as the subject of a campaign: what it prints as its last line, a JSON object of numbers, are the figures.
+// Any program as the subject of a campaign: numbers of the JSON object that it prints, alone or as its last line, are
+// the figures.
 #pragma once
 
 #include <memory>
@@ -13,7 +14,7 @@
 namespace dynoproof::campaign {
 
 /// In the words of `command`, {KEY} is the value of an axis, {run} the number of the run, {seed} its seed and {folder}
-/// a folder for its files below `folder`. Figures name what they take by `from`.
+/// a folder for its files below `folder`. Figures name what they take by `from`, a dotted path.
 std::unique_ptr<Subject> MakeCommandSubject(std::vector<std::string> command,
                                             std::vector<std::pair<std::string, FigureSpec>> figures, const Value& root,
                                             const Axes& axes, const std::string& folder, Diagnostics& diagnostics);

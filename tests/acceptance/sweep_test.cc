@@ -412,5 +412,56 @@ at_most = 5
   EXPECT_EQ(ReadBytes(bench / "out/program/work/run_000000002/log"), "work\n");
 }
 
+TEST(CampaignOfAProgram, FindsNumbersAndTextsByTheirPath) {
+  const Bench bench;
+  bench.Write("program.toml", R"(title = "a shell"
+command = ["sh", "-c", "printf '{\n\"verdict\": \"found\",\n\"gain\": {\"T_1\": {\"after\": {x}}},\n\"list\": [{\"a\": 7}]\n}\n'"]
+[[axis]]
+key = "x"
+list = [3]
+[figure.found]
+from = "verdict.found"
+at_least = 1
+[figure.other]
+from = "verdict.nothing"
+[figure.after]
+from = "gain.T_1.after"
+[figure.first]
+from = "list.0.a"
+)");
+  const nlohmann::json result = bench.Json({"sweep", "program.toml"});
+  EXPECT_EQ(result["exit"], 0) << result.dump(1);
+  for (const auto& [name, value] :
+       {std::pair("found", 1.0), std::pair("other", 0.0), std::pair("after", 3.0), std::pair("first", 7.0)})
+    EXPECT_EQ(result["figures"][name]["quantiles"]["1"], value) << name;
+}
+
+TEST(CampaignOfADiagnosis, ExplainsEachRecordAndVariesTheModel) {
+  const Bench bench;
+  ASSERT_EQ(bench.Call({"run", "line.toml"}).exit, 0);
+  bench.Write("explain.toml", R"(title = "one record against two models"
+diagnose = "line.toml"
+data = ["{record}"]
+[[axis]]
+key = "record"
+list = ["out/line.h5"]
+[[axis]]
+key = "plant.inertia.I3"
+list = [0.5, 0.65]
+[figure.simulations]
+from = "simulations"
+at_least = 1
+[figure.found]
+from = "verdict.effect_found"
+)");
+  const nlohmann::json result = bench.Json({"sweep", "explain.toml", "--jobs", "1"});
+  EXPECT_EQ(result["verdicts"]["broken"], 0) << result.dump(1);
+  EXPECT_EQ(result["verdicts"]["pass"], 2);
+  EXPECT_THAT(bench.Call({"sweep", "explain.toml", "--out", "again", "--run", "1"}).Both(),
+              HasSubstr("--set plant.inertia.I3=0.65"));
+  bench.Write("none.toml", "title = \"no record\"\ndiagnose = \"line.toml\"\n[figure.a]\nfrom = \"simulations\"\n");
+  EXPECT_EQ(bench.Call({"sweep", "none.toml"}).exit, 2);
+}
+
 }  // namespace
 }  // namespace dynoproof::test
