@@ -86,8 +86,13 @@ class CommandSubject : public Subject {
       row.why = fmt::format("exit {}: {}", answer.exit, last);
       return row;
     }
-    nlohmann::json found = nlohmann::json::parse(answer.out, nullptr, false);
-    if (!found.is_object()) found = nlohmann::json::parse(last, nullptr, false);
+    nlohmann::json found = nlohmann::json::parse(last, nullptr, false);
+    if (!found.is_object()) {  // over several lines, messages before and behind
+      const std::size_t begin = answer.out.starts_with('{') ? 0 : answer.out.find("\n{\n"),
+                        end = answer.out.rfind("\n}");
+      if (begin < end && end != std::string::npos)
+        found = nlohmann::json::parse(answer.out.substr(begin, end + 2 - begin), nullptr, false);
+    }
     if (!found.is_object()) {
       row.why = "neither what it prints nor its last line is a JSON object: " + last;
       return row;

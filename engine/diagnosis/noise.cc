@@ -147,6 +147,9 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
   for (const Channel& channel : study.channels()) {
     Structure& result = found.emplace_back();
     const auto rows = residual.segment(channel.begin, channel.count);
+    // A record without noise leaves the rounding of both simulations, which follows everything and means nothing.
+    constexpr double kRounding = 1e-9;
+    if (rows.norm() <= kRounding * channel.spread * std::sqrt(static_cast<double>(channel.count))) continue;
     const ArModel model = FitAr(rows, Whitener::kOrder);
     const auto order = static_cast<Eigen::Index>(model.a.size());
     constexpr Eigen::Index kLag = 12;

@@ -457,6 +457,8 @@ from = "verdict.effect_found"
   const nlohmann::json result = bench.Json({"sweep", "explain.toml", "--jobs", "1"});
   EXPECT_EQ(result["verdicts"]["broken"], 0) << result.dump(1);
   EXPECT_EQ(result["verdicts"]["pass"], 2);
+  EXPECT_EQ(result["figures"]["found"]["quantiles"]["0"], 0.0) << "the record's own model explains it";
+  EXPECT_EQ(result["figures"]["found"]["quantiles"]["1"], 1.0) << "without noise, down to rounding";
   EXPECT_THAT(bench.Call({"sweep", "explain.toml", "--out", "again", "--run", "1"}).Both(),
               HasSubstr("--set plant.inertia.I3=0.65"));
   bench.Write("none.toml", "title = \"no record\"\ndiagnose = \"line.toml\"\n[figure.a]\nfrom = \"simulations\"\n");
