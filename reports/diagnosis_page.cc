@@ -117,10 +117,11 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
     body += fmt::format("<p>Extended scenario: <code>{}</code></p>\n", Escape(d.extended_scenario));
   body += Gains(d);
   body += fmt::format(
-      "<h2>Where it is wrong</h2>\n<p>Most in {}; from {} s; at {} Hz; {}.</p>\n<p>What is left {} the noise floor "
+      "<h2>Where it is wrong</h2>\n<p>Most in {}; from {} s; at {} Hz{}.</p>\n<p>What is left {} the noise floor "
       "(NRMSE {}).</p>\n",
-      Escape(d.where.signal), Spans(d.where.when_s), Spans(d.where.frequency_hz), Escape(d.where.condition),
-      d.at_noise_floor ? "is at" : "is above", Number(d.noise_floor));
+      Escape(d.where.signal), Spans(d.where.when_s), Spans(d.where.frequency_hz),
+      d.where.condition.empty() ? "" : "; " + Escape(d.where.condition), d.at_noise_floor ? "is at" : "is above",
+      Number(d.noise_floor));
   if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
   body += Considerations(d);
   return Page("dynoproof: diagnosis", "", body);

@@ -93,8 +93,8 @@ std::string TrendPage(const History& history, const Watch& watch) {
     body += fmt::format("<h2>{}</h2>\n", title);
     for (const auto& [part, members] : parts) {
       const std::string id = Anchor(std::string(prefix) + part);
-      body += fmt::format("<details class=\"part\" id=\"{}\"><summary><h3>{}</h3></summary>\n", id,
-                          Escape(part.empty() ? "all" : part));
+      body += fmt::format("<details class=\"part\" id=\"{}\"{}><summary>{}</summary>\n", id,
+                          parts.size() == 1 ? " open" : "", Escape(part.empty() ? "all" : part));
       std::vector<Picture> pictures;
       for (const std::size_t s : members) {
         body += fmt::format("<span id=\"{}\"></span>", Anchor("series-" + history.series[s].name));

@@ -67,6 +67,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   diagnosis::DiagnoseOptions options;
   options.out = arguments.out;
   options.scenario_file = measured->file;
+  options.overrides = arguments.overrides;
   options.resume = arguments.resume;
   std::mutex screen;
   options.progress = [&screen](const std::string& what, double fraction) {

@@ -65,8 +65,9 @@ struct Diagnosis {
 };
 
 struct DiagnoseOptions {
-  std::string out = "out";    // folder of extended.toml, separate.toml and the saved fits
-  std::string scenario_file;  // what extended.toml includes
+  std::string out = "out";                  // folder of extended.toml, separate.toml and the saved fits
+  std::string scenario_file;                // what extended.toml includes
+  std::vector<std::string> overrides = {};  // --set: KEY=VALUE that the plan has beyond that file
   bool resume = false;
   std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
 };

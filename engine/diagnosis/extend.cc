@@ -33,6 +33,13 @@ Result<std::string> Write(const DiagnoseOptions& options, const char* name, cons
   return file.generic_string();
 }
 
+/// The value of --set as TOML: what is no number, truth value, array or table is a text.
+std::string AsToml(const Value& value, const std::string& written) {
+  if (value.is_integer()) return fmt::format("{}", value.integer());
+  if (value.is_number()) return Number(value.number());
+  return value.is_string() ? fmt::format("\"{}\"", value.string()) : written;
+}
+
 }  // namespace
 
 Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
@@ -54,6 +61,24 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
                        fmt::format("{} = {}  # nominal {}, fitted along\n", doubt.path.substr(dot + 1),
                                    Number(value.value), Number(value.nominal)));
     tables.insert(lines.back().first);
+  }
+  // What --set changed belongs to the nominal model, which the file alone does not have.
+  for (const std::string& change : options.overrides) {
+    const std::string path = change.substr(0, change.find('=')), key = path.substr(path.rfind('.') + 1);
+    const std::string table = path.size() > key.size() ? path.substr(0, path.size() - key.size() - 1) : "";
+    const bool fitted = std::any_of(lines.begin(), lines.end(), [&](const auto& line) {
+      return line.first == table && line.second.starts_with(key + " = ");
+    });
+    const Value* value = study.plan().root.FindPath(path);
+    if (fitted || value == nullptr) continue;
+    const std::string text_of =
+        fmt::format("{} = {}  # by --set\n", key, AsToml(*value, change.substr(change.find('=') + 1)));
+    if (table.empty()) {
+      text += text_of;
+      continue;
+    }
+    lines.emplace_back(table, text_of);
+    tables.insert(table);
   }
   for (const std::string& table : tables) {
     text += fmt::format("\n[{}]\n", table);

@@ -461,6 +461,9 @@ from = "verdict.effect_found"
   EXPECT_EQ(result["figures"]["found"]["quantiles"]["1"], 1.0) << "without noise, down to rounding";
   EXPECT_THAT(bench.Call({"sweep", "explain.toml", "--out", "again", "--run", "1"}).Both(),
               HasSubstr("--set plant.inertia.I3=0.65"));
+  const std::string extended = ReadBytes(bench / "out/explain/work/run_000000001/extended.toml");
+  EXPECT_THAT(extended, HasSubstr("I3 = 0.65  # by --set"));
+  EXPECT_EQ(bench.Call({"validate", "out/explain/work/run_000000001/extended.toml"}).exit, 0);
   bench.Write("none.toml", "title = \"no record\"\ndiagnose = \"line.toml\"\n[figure.a]\nfrom = \"simulations\"\n");
   EXPECT_EQ(bench.Call({"sweep", "none.toml"}).exit, 2);
 }
