@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "campaign/table.h"
+#include "score/ranks.h"
 
 namespace dynoproof::campaign {
 namespace {
@@ -19,21 +20,8 @@ double Quantile(const std::vector<double>& sorted, double q) {
   return below + 1 < sorted.size() ? sorted[below] + share * (sorted[below + 1] - sorted[below]) : sorted[below];
 }
 
-/// Ranks from 0; equal values share their mean rank.
-std::vector<double> Ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  std::vector<double> ranks(values.size());
-  for (std::size_t begin = 0, end; begin < order.size(); begin = end) {
-    for (end = begin; end < order.size() && values[order[end]] == values[order[begin]];) ++end;
-    for (std::size_t i = begin; i < end; ++i) ranks[order[i]] = 0.5 * static_cast<double>(begin + end - 1);
-  }
-  return ranks;
-}
-
 double Correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const double mean = 0.5 * static_cast<double>(a.size() - 1);  // of ranks
+  const double mean = 0.5 * static_cast<double>(a.size() + 1);  // of ranks
   double ab = 0.0, aa = 0.0, bb = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     ab += (a[i] - mean) * (b[i] - mean);
@@ -58,11 +46,11 @@ FigureSummary SummariseFigure(const Campaign& campaign, const std::vector<Row>& 
   if (values.empty()) return summary;
   summary.least_run = runs[static_cast<std::size_t>(std::min_element(values.begin(), values.end()) - values.begin())];
   summary.largest_run = runs[static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin())];
-  const std::vector<double> ranks = Ranks(values);
+  const std::vector<double> ranks = score::Ranks(values);
   for (std::size_t axis = 0; axis < campaign.axes.size(); ++axis) {
     std::vector<double> numbers;
     for (const std::int64_t run : runs) numbers.push_back(campaign.axes.Number(axis, run));
-    summary.rank_correlation.push_back(Correlation(ranks, Ranks(numbers)));
+    summary.rank_correlation.push_back(Correlation(ranks, score::Ranks(numbers)));
   }
   const auto n = static_cast<double>(values.size());
   summary.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;

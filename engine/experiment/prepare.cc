@@ -127,7 +127,9 @@ void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepare
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics) {
   const int before = diagnostics.error_count();
-  const Plan written = plan;
+  // What a scenario's own record is to drive, below.
+  const bool has_record = options.data == nullptr && plan.root.FindPath("record.file") != nullptr;
+  const std::optional<Plan> written = has_record ? std::optional(plan) : std::nullopt;
   auto prepared = std::make_unique<Prepared>();
   prepared->records = std::make_shared<Records>();
   if (!options.solver.empty()) plan.root["run"]["solver"] = Value(options.solver);
@@ -153,7 +155,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);
   prepared->plan = std::move(plan);
   if (diagnostics.error_count() != before) return nullptr;
-  if (options.data != nullptr || !prepared->record || prepared->record->file.empty()) return prepared;
+  if (!has_record || prepared->record->file.empty()) return prepared;
   // The scenario's own record drives it: the same once more with the data, and with the scenario's checks.
   Result<MappedRecord> data = OpenRecord(*prepared->record, folder, *prepared->rig);
   if (!data.ok()) {
@@ -163,7 +165,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   const auto owned = std::make_shared<const MappedRecord>(std::move(*data));
   PrepareOptions driven = options;
   driven.data = owned.get();
-  prepared = Prepare(written, driven, registry, diagnostics);
+  prepared = Prepare(*written, driven, registry, diagnostics);
   if (prepared == nullptr) return nullptr;
   prepared->data = owned;
   prepared->checks = ReadChecks(prepared->plan, *prepared->rig, diagnostics);

@@ -1,89 +1,75 @@
 #include "mechanics/batch_kernels.h"
 
-// As in propagator_kernels.cc: inlined into functions that have the registers; no vector crosses a call.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-#define DYNOPROOF_INLINE [[gnu::always_inline]] static inline
+#include "mechanics/simd.h"
 
 namespace dynoproof::mechanics {
 namespace {
 
 constexpr int kLanes = BatchPlan::kLanes;
 
-template <int W>
-struct Vector {
-  typedef double Type __attribute__((vector_size(W * sizeof(double))));
-  typedef double Memory __attribute__((vector_size(W * sizeof(double)), aligned(8), may_alias));
-};
-template <int W>
-DYNOPROOF_INLINE typename Vector<W>::Type Load(const double* from) {
-  return *reinterpret_cast<const typename Vector<W>::Memory*>(from);
-}
-template <int W>
-DYNOPROOF_INLINE void Store(double* to, typename Vector<W>::Type value) {
-  *reinterpret_cast<typename Vector<W>::Memory*>(to) = value;
-}
-
 /// The lanes [lane, lane + W) of a step with ROWS rows and INPUTS inputs (0: any number).
 template <int W, int ROWS, int INPUTS>
 DYNOPROOF_INLINE void StepLanes(const BatchPlan& plan, double* state, const double* held, const double* u, double* y,
                                 int lane) {
-  using V = typename Vector<W>::Type;
+  using Doubles = Vector<W>;
+  using V = typename Doubles::Type;
   const int rows = ROWS > 0 ? ROWS : plan.outputs + plan.integrators;
   const int inputs = INPUTS > 0 ? INPUTS : plan.inputs;
   V sums[ROWS > 0 ? ROWS : BatchPlan::kMostRows] = {};
   V force[INPUTS > 0 ? INPUTS : 1];
-  for (int j = 0; j < INPUTS; ++j) force[j] = Load<W>(u + j * kLanes + lane);
+  for (int j = 0; j < INPUTS; ++j) force[j] = Load<Doubles>(u + j * kLanes + lane);
   const double* record = plan.pair_records + lane;
   double* x = state + lane;
   for (int pair = 0; pair < plan.pairs; ++pair) {
-    const V first = Load<W>(x), second = Load<W>(x + kLanes);
-    const V a = Load<W>(record), b = Load<W>(record + kLanes);
+    const V first = Load<Doubles>(x), second = Load<Doubles>(x + kLanes);
+    const V a = Load<Doubles>(record), b = Load<Doubles>(record + kLanes);
     record += 2 * kLanes;
     V next_first = a * first + b * second, next_second = a * second - b * first;
     for (int j = 0; j < inputs; ++j) {
-      const V now = INPUTS > 0 ? force[j] : Load<W>(u + j * kLanes + lane);
-      next_first = Load<W>(record) * now + next_first;
-      next_second = Load<W>(record + kLanes) * now + next_second;
+      const V now = INPUTS > 0 ? force[j] : Load<Doubles>(u + j * kLanes + lane);
+      next_first = Load<Doubles>(record) * now + next_first;
+      next_second = Load<Doubles>(record + kLanes) * now + next_second;
       record += 2 * kLanes;
     }
     for (int row = 0; row < rows; ++row) {
-      sums[row] = Load<W>(record) * first + sums[row];
-      sums[row] = Load<W>(record + kLanes) * second + sums[row];
+      sums[row] = Load<Doubles>(record) * first + sums[row];
+      sums[row] = Load<Doubles>(record + kLanes) * second + sums[row];
       record += 2 * kLanes;
     }
-    Store<W>(x, next_first);
-    Store<W>(x + kLanes, next_second);
+    Store<Doubles>(x, next_first);
+    Store<Doubles>(x + kLanes, next_second);
     x += 2 * kLanes;
   }
   record = plan.real_records + lane;
   for (int real = 0; real < plan.reals; ++real) {
-    const V old = Load<W>(x);
-    V next = Load<W>(record) * old;
+    const V old = Load<Doubles>(x);
+    V next = Load<Doubles>(record) * old;
     record += kLanes;
     for (int j = 0; j < inputs; ++j) {
-      next = Load<W>(record) * Load<W>(u + j * kLanes + lane) + next;
+      next = Load<Doubles>(record) * Load<Doubles>(u + j * kLanes + lane) + next;
       record += kLanes;
     }
     for (int row = 0; row < rows; ++row) {
-      sums[row] = Load<W>(record) * old + sums[row];
+      sums[row] = Load<Doubles>(record) * old + sums[row];
       record += kLanes;
     }
-    Store<W>(x, next);
+    Store<Doubles>(x, next);
     x += kLanes;
   }
   for (int row = 0; row < rows; ++row) {
     const bool output = row < plan.outputs;
     for (int j = 0; j < inputs; ++j) {
       const double* v = (output ? held : u) + j * kLanes + lane;
-      sums[row] = Load<W>(plan.direct + (row * inputs + j) * kLanes + lane) * Load<W>(v) + sums[row];
+      sums[row] = Load<Doubles>(plan.direct + (row * inputs + j) * kLanes + lane) * Load<Doubles>(v) + sums[row];
     }
     for (int i = 0; output && i < plan.integrators; ++i)
-      sums[row] = Load<W>(plan.by_integrator + (row * plan.integrators + i) * kLanes + lane) * Load<W>(x + i * kLanes) +
+      sums[row] = Load<Doubles>(plan.by_integrator + (row * plan.integrators + i) * kLanes + lane) *
+                      Load<Doubles>(x + i * kLanes) +
                   sums[row];
-    if (output) Store<W>(y + row * kLanes + lane, sums[row]);
+    if (output) Store<Doubles>(y + row * kLanes + lane, sums[row]);
   }
-  for (int i = 0; i < plan.integrators; ++i) Store<W>(x + i * kLanes, Load<W>(x + i * kLanes) + sums[plan.outputs + i]);
+  for (int i = 0; i < plan.integrators; ++i)
+    Store<Doubles>(x + i * kLanes, Load<Doubles>(x + i * kLanes) + sums[plan.outputs + i]);
 }
 
 template <int W, int ROWS, int INPUTS>

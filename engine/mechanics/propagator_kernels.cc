@@ -1,10 +1,6 @@
 #include "mechanics/propagator_kernels.h"
 
-// The templates below hold vectors wider than the baseline's registers. They are inlined into functions that have them;
-// no such vector crosses a call, which is all the warning is about.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-#define DYNOPROOF_INLINE [[gnu::always_inline]] static inline
+#include "mechanics/simd.h"
 
 // Keeps a value that is used twice in its register. GCC 12 would fold the load into both uses, and these loops are
 // bound by their loads. It emits no instruction.
@@ -17,31 +13,9 @@
 namespace dynoproof::mechanics {
 namespace {
 
-// W doubles as one value; the second form may sit anywhere in an array of doubles.
-struct Vector2 {
-  static constexpr int kWidth = 2;
-  typedef double Type __attribute__((vector_size(16)));
-  typedef double Memory __attribute__((vector_size(16), aligned(8), may_alias));
-};
-struct Vector4 {
-  static constexpr int kWidth = 4;
-  typedef double Type __attribute__((vector_size(32)));
-  typedef double Memory __attribute__((vector_size(32), aligned(8), may_alias));
-};
-struct Vector8 {
-  static constexpr int kWidth = 8;
-  typedef double Type __attribute__((vector_size(64)));
-  typedef double Memory __attribute__((vector_size(64), aligned(8), may_alias));
-};
-
-template <class V>
-DYNOPROOF_INLINE typename V::Type Load(const double* from) {
-  return *reinterpret_cast<const typename V::Memory*>(from);
-}
-template <class V>
-DYNOPROOF_INLINE void Store(double* to, const typename V::Type& value) {
-  *reinterpret_cast<typename V::Memory*>(to) = value;
-}
+using Vector2 = Vector<2>;
+using Vector4 = Vector<4>;
+using Vector8 = Vector<8>;
 
 DYNOPROOF_INLINE double Sum(const Vector2::Type& v) { return v[0] + v[1]; }
 DYNOPROOF_INLINE double Sum(const Vector4::Type& v) {

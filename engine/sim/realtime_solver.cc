@@ -235,22 +235,34 @@ class RealtimeSolver : public Solver {
             modes};
   }
 
-  /// Carries the states of a law that switches from s0 to s1 of the substep (Runge-Kutta 4) in its present mode.
+  static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
+  static constexpr std::size_t kMostOfAPart = 16;   // inputs or states of a part that is carried ahead
+
+  /// Carries states by one step of Runge-Kutta 4 over `length` [s]; `slope(share, x, rates)` at a share of it.
+  template <class Slope>
+  static void RungeKutta4(std::span<double> own, double length, const Slope& slope) {
+    static constexpr double kNone[kMostOfAPart] = {}, kShare[4] = {0.0, 0.5, 0.5, 1.0};
+    const std::size_t n = own.size();
+    assert(n <= kMostOfAPart);
+    double k[4][kMostOfAPart], x[kMostOfAPart];
+    for (int stage = 0; stage < 4; ++stage) {
+      const double* const last = stage == 0 ? kNone : k[stage - 1];
+      const double reach = kShare[stage] * length;
+      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + reach * last[i];
+      slope(kShare[stage], std::span<const double>(x, n), std::span<double>(k[stage], n));
+    }
+    const double sixth = length / 6.0;
+    for (std::size_t i = 0; i < n; ++i) own[i] += sixth * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+  }
+
+  /// Carries the states of a law that switches from s0 to s1 of the substep in its present mode.
   void AdvanceSwitching(std::size_t e, double time_s, double h, double s0, double s1, std::span<double> own,
                         std::span<const int> modes) const {
-    const std::size_t n = own.size();
-    if (n == 0) return;
-    assert(n <= kMostLawStates);
-    double k[4][kMostLawStates], x[kMostLawStates];
-    const double weight[4] = {0.0, 0.5, 0.5, 1.0}, length = (s1 - s0) * h;
-    for (int stage = 0; stage < 4; ++stage) {
-      const double share = weight[stage];
-      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + (stage == 0 ? 0.0 : share * length * k[stage - 1][i]);
-      Law_(e).Derivative(Between(e, time_s, h, s0 + share * (s1 - s0), {x, n}, modes), {k[stage], n});
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      own[i] += length / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
-    }
+    if (own.empty()) return;
+    assert(own.size() <= kMostLawStates);
+    RungeKutta4(own, (s1 - s0) * h, [&](double share, std::span<const double> x, std::span<double> rates) {
+      Law_(e).Derivative(Between(e, time_s, h, s0 + share * (s1 - s0), x, modes), rates);
+    });
   }
 
   /// The torque of a law along a piece of a substep: at its beginning, middle and end.
@@ -311,26 +323,18 @@ class RealtimeSolver : public Solver {
     return after.end;
   }
 
-  static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
-
   /// Carries a law's own states over a substep along the straight line between twists and rates y0_ and y_.
   void AdvanceLaw(std::size_t e, double time_s, double h, std::span<double> own) {
-    const std::size_t n = own.size();
-    assert(n <= kMostLawStates);
-    double k[4][kMostLawStates], x[kMostLawStates];
-    const double weight[4] = {0.0, 0.5, 0.5, 1.0};
-    for (int stage = 0; stage < 4; ++stage) {
-      const double s = weight[stage];
-      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + (stage == 0 ? 0.0 : s * h * k[stage - 1][i]);
+    assert(own.size() <= kMostLawStates);
+    RungeKutta4(own, h, [&](double s, std::span<const double> x, std::span<double> rates) {
       const LawView view{time_s + s * h,
                          Twist(y0_, e) + s * (Twist(y_, e) - Twist(y0_, e)),
                          Rate(y0_, e) + s * (Rate(y_, e) - Rate(y0_, e)),
                          0.0,
-                         {x, n},
+                         x,
                          {}};
-      Law_(e).Derivative(view, {k[stage], n});
-    }
-    for (std::size_t i = 0; i < n; ++i) own[i] += h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+      Law_(e).Derivative(view, rates);
+    });
   }
 
   /// The friction torque that stops the relative motion at the end of the substep, or that of slipping.
@@ -458,30 +462,24 @@ class RealtimeSolver : public Solver {
     }
   }
 
-  /// Carries parts that follow from their states alone (machines) over the whole interval in its first substep (Runge-
-  /// Kutta 4), with the linear signals running on as straight as they begin; what they answer then changes in equal
-  /// steps.
+  /// Carries parts that follow from their states alone (machines) over the whole interval in its first substep, with
+  /// the linear signals running on as straight as they begin; what they answer then changes in equal steps.
   void AdvanceAhead(Frame& frame, double time_s, const Step& step) {
-    static constexpr double kNone[kMostOfAPart] = {};
-    const double h = step.substeps * step.length_s, weight[4] = {0.0, 0.5, 0.5, 1.0};
+    const double h = step.substeps * step.length_s;
     for (const AheadPart& part : ahead_parts_) {
-      const std::size_t count = part.states, inputs = part.inputs.size();
-      double* const own = frame.states.data() + part.first_state;
-      double begin[kMostOfAPart], change[kMostOfAPart], u[kMostOfAPart], x[kMostOfAPart], k[4][kMostOfAPart];
+      const std::size_t inputs = part.inputs.size();
+      double begin[kMostOfAPart], change[kMostOfAPart], u[kMostOfAPart];
       for (std::size_t i = 0; i < inputs; ++i) {
         const auto [slot, write] = part.inputs[i];
         begin[i] = write < 0 ? frame.signals[slot] : y0_[write];
         change[i] = write < 0 ? 0.0 : step.substeps * (y_free_[write] - y0_[write]);
       }
+      const std::span<double> own(frame.states.data() + part.first_state, part.states);
       const std::span<const int> modes(frame.modes.data() + part.block->first_mode, part.modes);
-      for (int stage = 0; stage < 4; ++stage) {
-        const double s = weight[stage], length = s * h;
-        const double* const slope = stage == 0 ? kNone : k[stage - 1];
+      RungeKutta4(own, h, [&](double s, std::span<const double> x, std::span<double> rates) {
         for (std::size_t i = 0; i < inputs; ++i) u[i] = begin[i] + s * change[i];
-        for (std::size_t i = 0; i < count; ++i) x[i] = own[i] + length * slope[i];
-        part.block->component->Derivative({time_s + length, {u, inputs}, {x, count}, modes}, {k[stage], count});
-      }
-      for (std::size_t i = 0; i < count; ++i) own[i] += h / 6.0 * (k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i]);
+        part.block->component->Derivative({time_s + s * h, {u, inputs}, x, modes}, rates);
+      });
       EvaluateBlock(*part.block, time_s + h, frame.states, frame.modes, frame.signals);
     }
     for (std::size_t i = 0; i < group_.reads.size(); ++i) {
@@ -523,7 +521,6 @@ class RealtimeSolver : public Solver {
   std::vector<int> with_memory_;
   LinearGroup group_;
   ModalForm form_;
-  static constexpr std::size_t kMostOfAPart = 16;  // inputs or states of a part that is carried ahead
   bool ahead_ = false;    // part_corrections = 1 and no part reads another or passes its inputs through
   bool carried_ = false;  // nothing feeds through: what a substep ends with is what the next begins with
   struct AheadPart {

@@ -133,6 +133,15 @@ TEST(ChargeAirControl, HasAnAnswerWithoutAPressureDrop) {
   }
 }
 
+TEST(ChargeAirLegacy, RefusesFlapsWithoutARange) {
+  std::string faults;
+  const Value table{{"type", "charge_air_legacy"},   {"k_P_percent_per_bar", 20.0}, {"k_I_percent_per_bar_s", 4.0},
+                    {"u_2_rate_percent_per_s", 1.0}, {"u_1_least_percent", 60.0},   {"u_2_largest_percent", 0.0}};
+  EXPECT_EQ(Build("control", table, {}, &faults), nullptr);
+  EXPECT_THAT(faults, ::testing::HasSubstr("flap 1 has no range"));
+  EXPECT_THAT(faults, ::testing::HasSubstr("flap 2 has no range"));
+}
+
 TEST(ChargeAirLegacy, MovesFlapTwoOnlyWhileFlapOneIsAtALimit) {
   Ticking control(Value{{"type", "charge_air_legacy"},
                         {"k_P_percent_per_bar", 20.0},

@@ -22,6 +22,15 @@ const FlapParams& Flap(const ChargeAirControl::Params& params, const char* name)
 
 }  // namespace
 
+void FlapRanges::Check(Faults& faults) const {
+  if (!(u_1_largest_percent > u_1_least_percent)) {
+    faults.At("u_1_largest_percent", "flap 1 has no range", "larger than u_1_least_percent");
+  }
+  if (!(u_2_largest_percent > u_2_least_percent)) {
+    faults.At("u_2_largest_percent", "flap 2 has no range", "larger than u_2_least_percent");
+  }
+}
+
 PluginInfo ChargeAirControl::Info() {
   return {"control",
           "charge_air_control",
@@ -35,12 +44,7 @@ void ChargeAirControl::Params::Check(Faults& faults) const {
   const bool both = flap.size() == 2 && (flap[0].first == "1") + (flap[1].first == "1") == 1 &&
                     (flap[0].first == "2") + (flap[1].first == "2") == 1;
   if (!both) faults.At("flap", "the controller inverts flaps \"1\" and \"2\"", "write both tables, as in the plant");
-  if (!(u_1_largest_percent > u_1_least_percent)) {
-    faults.At("u_1_largest_percent", "flap 1 has no range", "larger than u_1_least_percent");
-  }
-  if (!(u_2_largest_percent > u_2_least_percent)) {
-    faults.At("u_2_largest_percent", "flap 2 has no range", "larger than u_2_least_percent");
-  }
+  FlapRanges::Check(faults);
 }
 
 ChargeAirControl::ChargeAirControl(const Params& params, double period_s)

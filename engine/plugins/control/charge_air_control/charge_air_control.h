@@ -7,17 +7,30 @@
 
 namespace dynoproof::controls {
 
+/// Where the flaps may go, and where they begin.
+struct FlapRanges {
+  double u_1_least_percent = 0.0, u_1_largest_percent = 50.0, u_2_least_percent = 0.0, u_2_largest_percent = 100.0;
+  double initial_u_1_percent = 25.0, initial_u_2_percent = 50.0;
+  void Visit(auto& v) {
+    v.Optional("u_1_least_percent", u_1_least_percent, Any(), "range of flap 1");
+    v.Optional("u_1_largest_percent", u_1_largest_percent, Any(), "range of flap 1");
+    v.Optional("u_2_least_percent", u_2_least_percent, Any(), "range of flap 2");
+    v.Optional("u_2_largest_percent", u_2_largest_percent, Any(), "range of flap 2");
+    v.Optional("initial_u_1_percent", initial_u_1_percent, Any(), "flap 1 at t = 0");
+    v.Optional("initial_u_2_percent", initial_u_2_percent, Any(), "flap 2 at t = 0");
+  }
+  void Check(Faults& faults) const;
+};
+
 /// Reference planning (6.12)-(6.14), decoupling (6.15), (6.16), two conditioned PI controllers (6.18)-(6.21). Inputs
 /// reference, p_ch, p_s [Pa], speed [rad/s]; outputs u_1, u_2 [%], p_s_ref [Pa], w_1, w_2 [kg/s] before their limits.
 class ChargeAirControl : public Component {
  public:
-  struct Params {
+  struct Params : FlapRanges {
     double R_J_per_kg_K = 287.05, theta_K = 320.0, volume_1_m3 = 0.0, volume_2_m3 = 0.0;
     double displacement_m3 = 0.0, volumetric_efficiency = 1.0, revolutions_per_cycle = 2.0;
     double bandwidth_1_Hz = 0.5, bandwidth_2_Hz = 1.0 / 6.0;
     double largest_p_s_Pa = 0.0, largest_ratio = 1.95;
-    double u_1_least_percent = 0.0, u_1_largest_percent = 50.0, u_2_least_percent = 0.0, u_2_largest_percent = 100.0;
-    double initial_u_1_percent = 25.0, initial_u_2_percent = 50.0;
     std::string anti_windup = "conditioned";
     std::vector<std::pair<std::string, FlapParams>> flap;
     void Visit(auto& v) {
@@ -32,12 +45,7 @@ class ChargeAirControl : public Component {
       v.Optional("bandwidth_2_Hz", bandwidth_2_Hz, Positive(), "f_n of p_s");
       v.Required("largest_p_s_Pa", largest_p_s_Pa, Positive(), "what the compressor stands");
       v.Optional("largest_ratio", largest_ratio, Between(1.0, 2.0, "1"), "largest p_s over p_ch that is asked for");
-      v.Optional("u_1_least_percent", u_1_least_percent, Any(), "range of flap 1");
-      v.Optional("u_1_largest_percent", u_1_largest_percent, Any(), "range of flap 1");
-      v.Optional("u_2_least_percent", u_2_least_percent, Any(), "range of flap 2");
-      v.Optional("u_2_largest_percent", u_2_largest_percent, Any(), "range of flap 2");
-      v.Optional("initial_u_1_percent", initial_u_1_percent, Any(), "flap 1 at t = 0");
-      v.Optional("initial_u_2_percent", initial_u_2_percent, Any(), "flap 2 at t = 0");
+      FlapRanges::Visit(v);
       v.Optional("anti_windup", anti_windup, AntiWindupNames(),
                  "(6.18) as it unwinds, without its second term, or with the printed sign");
       v.Required("flap", flap, Any(), "[control.NAME.flap.1] and 2, as in the plant");
@@ -66,20 +74,13 @@ class ChargeAirControl : public Component {
 /// [Pa]; outputs u_1, u_2 [%].
 class ChargeAirLegacy : public Component {
  public:
-  struct Params {
+  struct Params : FlapRanges {
     double k_P_percent_per_bar = 0.0, k_I_percent_per_bar_s = 0.0, u_2_rate_percent_per_s = 0.0;
-    double u_1_least_percent = 0.0, u_1_largest_percent = 50.0, u_2_least_percent = 0.0, u_2_largest_percent = 100.0;
-    double initial_u_1_percent = 25.0, initial_u_2_percent = 50.0;
     void Visit(auto& v) {
       v.Required("k_P_percent_per_bar", k_P_percent_per_bar, NonNegative("%/bar"), "proportional gain");
       v.Required("k_I_percent_per_bar_s", k_I_percent_per_bar_s, NonNegative("%/(bar s)"), "integral gain");
       v.Required("u_2_rate_percent_per_s", u_2_rate_percent_per_s, Positive("%/s"), "how fast flap 2 moves");
-      v.Optional("u_1_least_percent", u_1_least_percent, Any(), "range of flap 1");
-      v.Optional("u_1_largest_percent", u_1_largest_percent, Any(), "range of flap 1");
-      v.Optional("u_2_least_percent", u_2_least_percent, Any(), "range of flap 2");
-      v.Optional("u_2_largest_percent", u_2_largest_percent, Any(), "range of flap 2");
-      v.Optional("initial_u_1_percent", initial_u_1_percent, Any(), "flap 1 at t = 0");
-      v.Optional("initial_u_2_percent", initial_u_2_percent, Any(), "flap 2 at t = 0");
+      FlapRanges::Visit(v);
     }
   };
   static PluginInfo Info();
