@@ -4,14 +4,15 @@
 usage: bench/ab.py BASE HEAD [--json FILE] [--markdown FILE]     BASE, HEAD: build folders
        bench/ab.py --prove BUILD [--runs 300]                    false alarms and power of this very gate, measured
 
-Both builds run alternately, in an order drawn anew for each round; a round gives one ratio head/base a benchmark, each
-the best of a few short repetitions. The verdict looks at the interval of the median ratio from order statistics: nothing
-is assumed of the scatter's law. After 15 rounds, and again after 31 and 63 where nothing was decided:
+Both builds run alternately on one processor, in an order drawn anew for each round; a round gives one ratio head/base a
+benchmark, each the median of many short repetitions (not the best: on a shared host a processor has two speeds, and
+whether a few repetitions meet the rarer one is chance). The verdict looks at the interval of the median ratio from order
+statistics: nothing is assumed of the scatter's law. After 15 rounds, and again after 31 and 63 where nothing was decided:
   worse          the interval lies above 1 and reaches the smallest relevant change, 3 %
   better         below 1, likewise
   same           the interval lies within 3 % of 1
   inconclusive   else: too much scatter here
-Intervals hold jointly for all benchmarks and all looks at 99 %. A benchmark that the head has lost fails.
+Intervals hold jointly for all benchmarks and all looks at 99.8 %. A benchmark that the head has lost fails.
 Ends with 5 worse or missing, 4 inconclusive (none worse), 2 bad usage, 0 else."""
 import argparse
 import json
@@ -24,7 +25,7 @@ import subprocess
 import sys
 
 RELEVANT = 0.03                  # smallest change that matters
-ALPHA = 0.01                     # of a wrong interval, all benchmarks and looks together
+ALPHA = 0.002                    # of a wrong interval, all benchmarks and looks together
 LOOKS = (15, 31, 63)             # rounds
 PROGRAMS = {                     # program: benchmarks of the gate; the closed loop propagates a line of 70 masses
     "core_bench": "^CoreStep|^TorqueControlAndMachine|^TwoNotches|^ClosedLoop",
@@ -32,14 +33,14 @@ PROGRAMS = {                     # program: benchmarks of the gate; the closed l
 
 
 def measure(build, extra_percent=0, programs=PROGRAMS):
-    """{benchmark: ns}, the best of a few short repetitions."""
+    """{benchmark: ns}, the median of many short repetitions."""
     times = {}
     for program, pattern in programs.items():
         path = pathlib.Path(build) / "bench" / program
         if not path.exists():
             continue
-        command = [path, "--benchmark_format=json", f"--benchmark_filter={pattern}", "--benchmark_min_time=0.002",
-                   "--benchmark_repetitions=4"]
+        command = [path, "--benchmark_format=json", f"--benchmark_filter={pattern}", "--benchmark_min_time=0.0005",
+                   "--benchmark_repetitions=25"]
         done = subprocess.run(command, capture_output=True, text=True,
                               env={**os.environ, "DYNOPROOF_EXTRA_WORK_PERCENT": str(extra_percent)})
         if done.returncode != 0:
@@ -48,8 +49,15 @@ def measure(build, extra_percent=0, programs=PROGRAMS):
             if one["run_type"] != "iteration" or one.get("error_occurred"):
                 continue
             name = one["run_name"] + (" " + one["label"] if one.get("label") else "")
-            times[name] = min(one["cpu_time"], times.get(name, math.inf))
-    return times
+            times.setdefault(name, []).append(one["cpu_time"])
+    return {name: statistics.median(taken) for name, taken in times.items()}
+
+
+def stay():
+    """Keeps this process and what it starts on one processor: on a shared host they differ by more than what is looked
+    for, and a ratio of two of them says nothing."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
 
 
 def interval(ratios, alpha):
@@ -124,7 +132,7 @@ def prove(build, runs, report):
     """Unchanged code against itself, and against itself with some steps done twice (real work, not scaled times)."""
     quick = {"core_bench": "^CoreStep"}
     outcome = {}
-    for extra, count in ((0, runs), (3, runs // 10), (5, runs // 10), (10, runs // 10)):
+    for extra, count in ((10, runs // 10), (5, runs // 10), (3, runs // 10), (0, runs)):
         found = {"worse": 0, "better": 0, "inconclusive": 0, "same": 0}
         for number in range(count):
             results = gate(lambda side: measure(build, extra if side else 0, quick))
@@ -153,6 +161,7 @@ def main():
     parser.add_argument("--json")
     parser.add_argument("--markdown")
     options = parser.parse_args()
+    stay()
     if options.prove:
         sys.exit(prove(options.prove, options.runs, options.json))
     if len(options.builds) != 2:

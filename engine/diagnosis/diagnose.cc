@@ -21,8 +21,9 @@ constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a 
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
 constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
 constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
-constexpr double kBeaten = 2.0;           // times the best one's chi2, when it has found its place: no rival any more
-constexpr double kHopeless = 6.0;         // times the best one's chi2, when nothing has been linearised anew yet
+constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
+constexpr double kBeaten = 2.0;      // times the best one's chi2, when it has found its place: no rival any more
+constexpr double kHopeless = 6.0;    // times the best one's chi2, when nothing has been linearised anew yet
 
 class Diagnosing {
  public:
@@ -45,12 +46,12 @@ class Diagnosing {
     nominal_prediction_ = *nominal;
     const Result<DoubtModel> doubts = LineariseDoubts(study_, study_.Nominal(), FreedomOf(study_, {}));
     if (!doubts.ok()) return doubts.failure();
-    Whitener whitener(study_.channels(), study_.measured() - *nominal);
+    Whitener whitener(study_.channels(), study_.measured() - *nominal, 0);
     Fit null = Fitter(study_, whitener).Evaluate({}, *doubts);
     if (!null.ok()) return Failure{null.broken, study_.plan().id};
-    // Its colour without what the doubts explain; twice, because the first guess weighs frequencies wrongly.
-    for (int i = 0; i < 2; ++i) {
-      whitener = WhitenerOf(null);
+    // Its size and then its colour without what the doubts explain.
+    for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
+      whitener = WhitenerOf(null, order);
       null = Fitter(study_, whitener).Evaluate({}, *doubts);
     }
     // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
@@ -170,12 +171,12 @@ class Diagnosing {
     if (!doubts.ok()) return {};
     const Result<Eigen::VectorXd> at = short_.Predict({base.doubts.z0, base.hypothesis.effects});
     if (!at.ok()) return {};
-    Whitener whitener(short_.channels(), short_.measured() - *at);
+    Whitener whitener(short_.channels(), short_.measured() - *at, 0);
     Fit fit;
-    for (int i = 0; i < 2; ++i) {
+    for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
       fit = Fitter(short_, whitener).Evaluate(base.hypothesis.effects, *doubts);
       if (!fit.ok()) return {};
-      whitener = Whitener(short_.channels(), short_.measured() - fit.predicted);
+      whitener = Whitener(short_.channels(), short_.measured() - fit.predicted, order);
     }
     const Fitter fitter(short_, whitener);
     fit = fitter.Evaluate(base.hypothesis.effects, *doubts);
@@ -211,29 +212,56 @@ class Diagnosing {
     const auto order = [&] {
       std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
     };
-    for (int round = 0; round < 3; ++round) {
-      // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
-      // there yet would count what the fit lacks as noise, and stay there. Twice, because the first time the size of
-      // the noise is not known either, and the doubts' prior weighs too much.
-      const Fitter fitter(study_, WhitenerOf(fits.front(), round < 2 ? 0 : Whitener::kOrder));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      order();
-      const std::size_t many = round == 0 ? kWarmed : kPolished;
+    const auto each = [&](const Fitter& fitter, const std::string& what, double fraction, const auto& fit_again) {
       for (std::size_t k = 0; k < fits.size(); ++k) {
-        if (k >= many || (k > 0 && fits[k].chi2 > (round == 0 ? kHopeless : kBeaten) * fits.front().chi2)) continue;
-        Step("fitting again: " + fits[k].Name(), 0.5 + 0.06 * round + 0.06 * static_cast<double>(k) / kFullFits);
-        if (round == 0) {
-          fits[k] = Warm(fits[k]);
-          fitter.Weigh(fits[k]);
-          continue;
-        }
         const int before = fits[k].simulations;
-        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 2);
+        if (!fit_again(k)) continue;
+        Step(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / kFullFits);
         simulations_ += std::max(0, fits[k].simulations - before);
+        fitter.Weigh(fits[k]);
       }
       std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
-      if (fits.empty()) return;
       order();
+    };
+    // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
+    // there yet would count what the fit lacks as noise, and stay there.
+    {
+      const Fitter fitter(study_, WhitenerOf(fits.front(), 0));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      order();
+      each(fitter, "fitting over longer and longer parts: ", 0.5, [&](std::size_t k) {
+        if (k >= kWarmed || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) return false;
+        fits[k] = Warm(fits[k]);
+        return true;
+      });
+      if (fits.empty()) return;
+    }
+    // A rival is not beaten before it has found its place: all that come anywhere near the best are fitted to their
+    // end. Twice, because the first time the size of the noise is not known and the doubts' prior weighs too much.
+    for (const int rounds : {3, 8}) {
+      const Fitter fitter(study_, WhitenerOf(fits.front(), 0));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      order();
+      Fit nominal = null;
+      fitter.Weigh(nominal);
+      const double reach = fits.front().chi2 + kContender * std::max(0.0, nominal.chi2 - fits.front().chi2);
+      each(fitter, "fitting to the end: ", rounds == 3 ? 0.56 : 0.62, [&](std::size_t k) {
+        if (k > 0 && (fits[k].chi2 > reach || (rounds > 3 && fits[k].settled))) return false;
+        fits[k] = fitter.Polish(std::move(fits[k]), rounds);
+        return true;
+      });
+      if (fits.empty()) return;
+    }
+    {
+      const Fitter fitter(study_, WhitenerOf(fits.front()));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      order();
+      each(fitter, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
+        if (k >= kPolished || (k > 0 && fits[k].chi2 > kBeaten * fits.front().chi2)) return false;
+        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 2);
+        return true;
+      });
+      if (fits.empty()) return;
     }
     const Fitter fitter(study_, WhitenerOf(fits.front()));
     // The nominal model gets every chance: also from where the doubts stand beside the best effect.
@@ -375,25 +403,53 @@ class Diagnosing {
     result_.white =
         std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
     result_.at_noise_floor = !rest;
+    const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
-      result_.verdict = rest ? Verdict::kUnexplained : Verdict::kNoEffect;
-      result_.reason = rest ? "the residual follows the inputs or has a line, and no candidate accounts for it"
-                            : "the data agree with the model within the doubt about its nominal values";
+      const bool agrees = !rest && strained.empty();
+      result_.verdict = agrees ? Verdict::kNoEffect : Verdict::kUnexplained;
+      result_.reason =
+          agrees ? "the data agree with the model within the doubt about its nominal values"
+          : rest ? "the residual follows the inputs or has a line, and no candidate accounts for it"
+                 : fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
+                               fmt::join(strained, ", "));
       return;
     }
     alike_ = AmbiguitySet(fits, threshold_);
+    if (DataChi2(null) - DataChi2(fits.front()) < threshold_) also_ = strained;
     if (rest) {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
                                    partial_.empty() ? "" : "; ", partial_);
-    } else if (alike_.size() > 3) {
+    } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
       result_.verdict = Verdict::kUnexplained;
-      result_.reason = fmt::format("{} candidates account for the data alike", alike_.size());
+      result_.reason = fmt::format("{} candidates account for the data alike", count);
     } else {
-      result_.verdict = alike_.size() > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
-      result_.reason = alike_.size() > 1 ? "these data cannot tell the candidates apart"
-                                         : "the residual is at the noise floor with it, and with nothing else";
+      result_.verdict = count > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
+      result_.reason = count > 1 ? "these data cannot tell the candidates apart"
+                                 : "the residual is at the noise floor with it, and with nothing else";
     }
+  }
+
+  /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.
+  std::vector<std::string> StrainedDoubts(const Fit& null) const {
+    constexpr double kFar = 3.5;
+    std::vector<std::string> strained;
+    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      const Doubt& doubt = study_.doubts()[i];
+      if (!doubt.start && doubt.effect.empty() && std::abs(null.hypothesis.z[i]) > kFar)
+        strained.push_back("nominal_value@" + doubt.path);
+    }
+    return strained;
+  }
+
+  /// Without what the doubts cost.
+  double DataChi2(const Fit& fit) const {
+    double chi2 = fit.chi2;
+    for (const int i : fit.doubts.free) {
+      const auto k = static_cast<std::size_t>(i);
+      chi2 -= std::pow(fit.hypothesis.z[k] / fit.doubts.freedom[k], 2);
+    }
+    return chi2;
   }
 
   std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) const {
@@ -466,15 +522,16 @@ class Diagnosing {
                                     std::min(p.upper, assumed.parameters[i] + half)});
       }
     }
-    if (result_.verdict == Verdict::kEffectFound || alike_.size() < 2) return;
+    if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;
     std::vector<std::string> names;
     std::vector<Assumed> alike;
     for (const std::size_t i : alike_) {
       names.push_back(fits[i].Name());
       alike.push_back(fits[i].hypothesis.effects.back());
     }
+    names.insert(names.end(), also_.begin(), also_.end());
     result_.ambiguous_with.push_back(names);
-    result_.experiment_text = SeparatingText(alike);
+    result_.experiment_text = SeparatingText(study_, alike);
     const Result<std::string> file = WriteSeparating(study_, alike, options_);
     if (file.ok()) result_.experiment_scenario = *file;
   }
@@ -588,6 +645,7 @@ class Diagnosing {
   std::vector<Screened> screened_;
   std::vector<Fit> single_;
   std::vector<std::size_t> alike_;
+  std::vector<std::string> also_;  // nominal values that account for the data alike
   std::vector<double> floor_;
   Eigen::VectorXd nominal_prediction_;
   std::string partial_;

@@ -101,7 +101,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
   return Write(options, "extended.toml", text);
 }
 
-std::string SeparatingText(const std::vector<Assumed>& alike) {
+std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike) {
   std::set<std::string> kinds, names, places;
   for (const Assumed& assumed : alike) {
     kinds.insert(assumed.place.kind);
@@ -118,6 +118,10 @@ std::string SeparatingText(const std::vector<Assumed>& alike) {
         "the effect is the same, the place is not: excite the modes in which these places move against each other "
         "(broad band, up to the highest mode), and record a speed or torque between them ({})",
         fmt::join(places, ", "));
+  if (study.plan().root.FindPath("plant.volume") != nullptr)
+    return "repeat the record at another working point, half and twice the flow, with single steps of one actuator at "
+           "a "
+           "time and rests in between: areas grow with the opening, leaks with the pressure, play with each reversal";
   return "drive the line with a slow triangle of torque through standstill in both directions, at two amplitudes a "
          "factor of four apart, with a small broad-band torque on top: laws then differ in how they grow with speed, "
          "twist and amplitude, places in how the higher modes see them";
@@ -125,19 +129,26 @@ std::string SeparatingText(const std::vector<Assumed>& alike) {
 
 Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
                                     const DiagnoseOptions& options) {
-  std::string text = fmt::format(
-      "# {}: an experiment to tell candidates apart.\n# {}\ninclude = [\"{}\"]\n\n[run]\nduration_s = 10.0\n",
-      study.plan().id, SeparatingText(alike), IncludeOf(options));
+  const double duration_s = std::max(10.0, study.records().front().end_s);
+  std::string text =
+      fmt::format("# {}: an experiment to tell candidates apart.\n# {}\ninclude = [\"{}\"]\n\n[run]\nduration_s = {}\n",
+                  study.plan().id, SeparatingText(study, alike), IncludeOf(options), Number(duration_s));
   int seed = 101;
   for (const auto& [name, series] : study.records().front().inputs) {
-    const double peak = std::max(score::Largest(*series.values), 1e-9), step = score::MedianStep(*series.time);
-    // Slow swings of two sizes through zero, and a multisine up to a fifth of the sampling rate.
+    const auto [least, most] = std::minmax_element(series.values->begin(), series.values->end());
+    // Torques swing through zero; a flap, a flow or a pressure about where it stood.
+    const double mean = *least * *most > 0.0 ? 0.5 * (*least + *most) : 0.0;
+    const double peak = std::max({std::abs(*least - mean), std::abs(*most - mean), 1e-9 * std::abs(mean), 1e-9});
+    // Slow swings of two sizes, and a multisine up to a fifth of the sampling rate.
     text += fmt::format(
         "\n[input.{}.source]\ntype = \"sum\"\nsources = [\n"
-        "  {{ type = \"multisine\", rms = {}, low_Hz = 1.0, high_Hz = {}, lines = 400, seed = {} }},\n"
-        "  {{ type = \"sine_sum\", amplitudes = [{}, {}], frequencies_Hz = [0.1, 0.7], phases_rad = [0.0, 0.0] "
+        "  {{ type = \"constant\", value = {} }},\n"
+        "  {{ type = \"multisine\", rms = {}, low_Hz = {}, high_Hz = {}, lines = 400, seed = {} }},\n"
+        "  {{ type = \"sine_sum\", amplitudes = [{}, {}], frequencies_Hz = [{}, {}], phases_rad = [0.0, 0.0] "
         "}},\n]\n",
-        name, Number(0.25 * peak), Number(0.2 / step), seed++, Number(0.8 * peak), Number(0.2 * peak));
+        name, Number(mean), Number(0.25 * peak), Number(10.0 / duration_s),
+        Number(0.2 / score::MedianStep(*series.time)), seed++, Number(0.8 * peak), Number(0.2 * peak),
+        Number(1.0 / duration_s), Number(7.0 / duration_s));
   }
   return Write(options, "separate.toml", text);
 }

@@ -14,7 +14,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
                                   const DiagnoseOptions& options);
 
 /// What would separate these candidates, in words; and `out`/separate.toml with that excitation.
-std::string SeparatingText(const std::vector<Assumed>& alike);
+std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike);
 Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
                                     const DiagnoseOptions& options);
 

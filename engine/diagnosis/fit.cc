@@ -173,8 +173,14 @@ Eigen::VectorXd Projection::Residual(const Eigen::VectorXd& error, const Eigen::
 }
 
 Eigen::VectorXd Projection::Free(const Eigen::VectorXd& white) const {
-  if (prior_.size() == 0) return white;
-  return white - white_ * factor_.solve(white_.transpose() * white);
+  Eigen::VectorXd all(white.size() + prior_.size());
+  all.head(white.size()) = white;
+  if (prior_.size() > 0) {
+    const Eigen::VectorXd shift = factor_.solve(white_.transpose() * white);
+    all.head(white.size()).noalias() -= white_ * shift;
+    all.tail(prior_.size()) = prior_.cwiseProduct(shift);
+  }
+  return all;
 }
 
 std::string Fit::Name() const {
@@ -311,6 +317,7 @@ Fit Fitter::Polish(Fit fit, int rounds) const {
     Weigh(at);
     return true;
   };
+  fit.settled = false;
   if (!fit.ok() || !simulate(fit)) return fit;
   for (int round = 0; round < rounds; ++round) {
     const Result<DoubtModel> doubts =
@@ -336,10 +343,12 @@ Fit Fitter::Polish(Fit fit, int rounds) const {
     if (!better) {
       fit.simulations = next.simulations;
       fit.doubts = *doubts;
+      fit.settled = true;
       break;
     }
     const bool settled = fit.chi2 - next.chi2 < 0.5;
     fit = std::move(next);
+    fit.settled = settled;
     if (settled) break;
   }
   return fit;

@@ -35,7 +35,8 @@ class Projection {
   Eigen::VectorXd Shift(const Eigen::VectorXd& error) const;
   /// The error without its part along the doubts, then the doubts over their prior.
   Eigen::VectorXd Residual(const Eigen::VectorXd& error, const Eigen::VectorXd& shift) const;
-  /// A whitened signature without what the doubts can mimic.
+  /// A whitened signature without what the doubts can mimic: how Residual() falls as the signature grows. The last rows
+  /// are the doubts over their prior; without them a signature that a doubt mimics at a price would seem to be none.
   Eigen::VectorXd Free(const Eigen::VectorXd& white) const;
   double log_det() const { return log_det_; }
 
@@ -54,7 +55,8 @@ struct Fit {
   double chi2 = 0.0;          // whitened squares, and the doubts' prior
   double criterion = 0.0;     // -2 log evidence: chi2 + log det of the doubts + p log n
   int simulations = 0;
-  std::string broken;  // why there is no fit
+  bool settled = false;  // Polish() came to an end before its rounds did
+  std::string broken;    // why there is no fit
   /// By parameter of all effects in order, then by free doubt: whitened Jacobian at the optimum. Filled by Derive().
   Eigen::MatrixXd jacobian;
   Eigen::MatrixXd covariance;

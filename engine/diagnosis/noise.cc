@@ -68,10 +68,21 @@ ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order) {
   return {{a.data(), a.data() + order}, std::max(std::sqrt(power), std::numeric_limits<double>::min())};
 }
 
+namespace {
+
+/// Neither a mean nor a straight trend is noise: an offset that counted as colour would never be seen again.
+Eigen::VectorXd WithoutTrend(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(x.size(), -1.0, 1.0);
+  const double slope = x.size() > 2 ? (x.array() * t).sum() / t.square().sum() : 0.0;
+  return x.array() - x.mean() - slope * t;
+}
+
+}  // namespace
+
 Whitener::Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order, double least)
     : channels_(channels) {
   for (const Channel& channel : channels_) {
-    ArModel model = FitAr(residual.segment(channel.begin, channel.count), order);
+    ArModel model = FitAr(WithoutTrend(residual.segment(channel.begin, channel.count)), order);
     const double floor = least * std::max(channel.spread, 1e-12 * channel.nominal);
     // Below the floor the residual is the simulation's own error: taken as white, its colour means nothing.
     if (model.sigma < floor) model = {std::vector<double>(model.a.size(), 0.0), floor};

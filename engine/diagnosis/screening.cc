@@ -20,7 +20,7 @@ class Look {
     const Result<Eigen::VectorXd> at = study.Predict({base.doubts.z0, base.hypothesis.effects});
     if (at.ok()) predicted_ = *at;
     error_ = fitter.whitener()(study.measured() - predicted_);
-    freed_error_ = projection_.Free(error_);
+    freed_error_ = FreeError(projection_);
   }
 
   Screened At(const Candidate& candidate, double threshold) const {
@@ -85,6 +85,11 @@ class Look {
   }
 
  private:
+  /// What the doubts leave of the base's error, and what they cost.
+  Eigen::VectorXd FreeError(const Projection& projection) const {
+    return projection.Residual(error_, projection.Shift(error_));
+  }
+
   std::optional<DoubtModel> Without(const Candidate& candidate) const {
     std::vector<Assumed> effects = base_.hypothesis.effects;
     effects.push_back(candidate.At(candidate.starts.front()));
@@ -111,7 +116,8 @@ class Look {
   std::optional<std::vector<double>> SizeRipple(const Candidate& candidate, const Projection& projection,
                                                 const std::vector<double>& start, double threshold,
                                                 Screened& screened) const {
-    Eigen::MatrixXd signatures(error_.size(), 2);
+    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : FreeError(projection);
+    Eigen::MatrixXd signatures(error.size(), 2);
     for (int k = 0; k < 2; ++k) {
       std::vector<Assumed> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At({start[0], start[1], k * 0.5 * std::numbers::pi}));
@@ -123,7 +129,6 @@ class Look {
     const double norm = signatures.col(0).norm();
     if (norm > 0.0 && !(screened.smallest <= start[0] * std::sqrt(threshold) / norm))
       screened.smallest = start[0] * std::sqrt(threshold) / norm;
-    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : projection.Free(error_);
     Eigen::Matrix2d gram = signatures.transpose() * signatures;
     gram.diagonal().array() += 1e-12;
     const Eigen::Vector2d right = signatures.transpose() * error;
@@ -141,10 +146,10 @@ class Look {
                                            double& gain) const {
     const std::vector<EffectParameter>& parameters = candidate.effect->info().parameters;
     const std::vector<std::size_t>& strengths = candidate.strengths;
-    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : projection.Free(error_);
+    const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : FreeError(projection);
     std::vector<double> neutral = from;
     for (const std::size_t i : strengths) neutral[i] = parameters[i].neutral;
-    Eigen::MatrixXd signatures(error_.size(), static_cast<Eigen::Index>(strengths.size()));
+    Eigen::MatrixXd signatures(error.size(), static_cast<Eigen::Index>(strengths.size()));
     for (std::size_t k = 0; k < strengths.size(); ++k) {
       std::vector<double> at = neutral;
       at[strengths[k]] = from[strengths[k]];
@@ -169,7 +174,7 @@ class Look {
     std::set<std::size_t> in;
     for (std::size_t k = 0; k < strengths.size(); ++k) in.insert(k);
     while (!in.empty()) {
-      Eigen::MatrixXd used(error_.size(), static_cast<Eigen::Index>(in.size()));
+      Eigen::MatrixXd used(error.size(), static_cast<Eigen::Index>(in.size()));
       Eigen::Index column = 0;
       for (const std::size_t k : in) used.col(column++) = signatures.col(static_cast<Eigen::Index>(k));
       Eigen::MatrixXd gram = used.transpose() * used;

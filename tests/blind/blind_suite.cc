@@ -59,8 +59,32 @@ struct Case {
   double noise = 0.0, size = 0.0;  // of the signals; effect over noise, largest of the signals
 };
 
+double Rms(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double v : x) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+/// The same for plants of pressures; `size` is what the signal at the place swings by, and how far it goes.
+std::optional<std::vector<double>> PressureStrength(const std::string& name, bool air, double u, double sign,
+                                                    double swing, double peak, double duration_s) {
+  if (name == "leakage") return std::vector<double>{(air ? 4e-5 : 2e-6) * u};
+  if (name == "flow_area_error") return std::vector<double>{1.0 + 0.08 * u * sign};
+  if (name == "actuator_hysteresis") return std::vector<double>{0.4 * swing * u};
+  if (name == "valve_stiction") return std::vector<double>{8.0 * u};
+  if (name == "supply_droop") return std::vector<double>{1e6 * u};
+  if (name == "actuator_lag" || name == "sensor_lag") return std::vector<double>{(air ? 0.3 : 5e-3) * u};
+  if (name == "actuator_delay" || name == "sensor_delay") return std::vector<double>{(air ? 0.2 : 5e-3) * u};
+  if (name == "actuator_saturation") return std::vector<double>{peak - 0.8 * swing * u};
+  if (name == "actuator_dead_zone") return std::vector<double>{0.3 * swing * u};
+  if (name == "sensor_offset") return std::vector<double>{0.3 * swing * u * sign};
+  if (name == "sensor_drift") return std::vector<double>{0.6 * swing / duration_s * u * sign};
+  return std::nullopt;
+}
+
 /// Parameters at full strength: what an engineer would call a fault worth finding, in the machine's own magnitudes.
-std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const Place& place, Dice& dice) {
+std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const Place& place, const Columns& healthy,
+                                 Dice& dice) {
   const std::string& name = effect.info().name;
   const auto number = [&plan](const std::string& path, double otherwise) {
     const Value* value = plan.root.FindPath(path);
@@ -72,6 +96,21 @@ std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const P
                                                : number("plant.inertia." + place.name, 1.0);
   const double speed = torque > 2000.0 ? 1.0 : 5.0, twist = 0.5 * torque / k;
   const double u = dice.Uniform(0.7, 1.4);
+  const std::string plant = plan.root.FindPath("plant.type")->string();
+  if (plant != "drive_line") {
+    double mean = 0.0, swing = 0.0, peak = 0.0;
+    const auto& signals = place.kind == "output" ? healthy.outputs : healthy.inputs;
+    if (const auto signal = signals.find(place.name); signal != signals.end()) {
+      for (const double v : signal->second) mean += v / static_cast<double>(signal->second.size());
+      for (const double v : signal->second) {
+        swing += (v - mean) * (v - mean) / static_cast<double>(signal->second.size());
+        peak = std::max(peak, std::abs(v));
+      }
+    }
+    const auto found =
+        PressureStrength(name, plant == "charge_air", u, dice.Sign(), std::sqrt(swing), peak, healthy.time.back());
+    if (found) return *found;
+  }
   if (name == "viscous_friction") return {0.05 * torque / speed * u};
   if (name == "coulomb_friction") return {0.06 * torque * u};
   if (name == "stribeck_friction") return {0.05 * torque * u, 0.12 * torque * u, 0.2 * speed};
@@ -143,7 +182,7 @@ Columns Simulated(const Plan& plan, const Registry& registry) {
 
 /// Another excitation than the scenario's own.
 void Excite(Plan& plan, Dice& dice, double duration_s) {
-  plan.root["run"]["duration_s"] = Value(duration_s);
+  if (plan.root["plant"]["type"].string() == "drive_line") plan.root["run"]["duration_s"] = Value(duration_s);
   plan.root["run"]["reference"]["relative_tolerance"] = Value(1e-7);
   for (Value::Entry& input : plan.root["input"].table()) {
     Value* sources = input.value["source"].Find("sources");
@@ -164,22 +203,19 @@ void Detune(Plan& plan, Dice& dice, double spread) {
     if (value != nullptr && value->is_number())
       *value = Value(value->number() * (1.0 + size * dice.Uniform(-1.0, 1.0)));
   };
-  for (const char* section : {"inertia", "rotor", "shaft"}) {
+  for (const char* key : {"mass_kg", "stiffness_N_per_m", "damping_Ns_per_m", "preload_N"})
+    each(std::string("plant.") + key, spread);
+  for (const char* section : {"inertia", "rotor", "shaft", "volume"}) {
     const Value* table = plan.root.FindPath(std::string("plant.") + section);
     for (const std::string& name : table != nullptr ? KeysOf(*table) : std::vector<std::string>{}) {
       const std::string path = fmt::format("plant.{}.{}", section, name);
       each(path, spread);
+      each(path + ".volume_m3", spread);
       each(path + ".inertia_kg_m2", spread);
       each(path + ".stiffness_Nm_per_rad", spread);
       each(path + ".damping_Nms_per_rad", 10.0 * spread);
     }
   }
-}
-
-double Rms(const std::vector<double>& x) {
-  double sum = 0.0;
-  for (const double v : x) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
 void AddNoise(Columns& columns, double share, bool coloured, Dice& dice) {
@@ -363,7 +399,7 @@ int Run(const Suite& suite) {
         Excite(*plan, dice, suite.duration_s);
         Plan nominal = *plan;
         Detune(*plan, dice, hidden.kind == "null" ? 0.0 : 0.003);
-        if (hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.4)
+        if (hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.4 && plan->root["plant"]["type"].string() == "drive_line")
           plan->root["plant"]["initial_speed_rad_per_s"] = Value(dice.Uniform(-3.0, 3.0));
         if (hidden.kind == "effect") {
           std::vector<std::pair<const Effect*, Place>> choices;
@@ -379,9 +415,9 @@ int Run(const Suite& suite) {
           std::vector<Place> places = effect->Places(*plan);
           std::erase_if(places, [](const Place& place) { return place.name == "phi_1"; });
           const Place place = places.at(dice.Index(places.size()));
-          const std::vector<double> full = FullStrength(*plan, *effect, place, dice);
-          hidden.parameters = Weaker(*effect, full, std::vector<double>{0.3, 1.0, 1.0}[dice.Index(3)]);
           const Columns without = Simulated(*plan, registry);
+          const std::vector<double> full = FullStrength(*plan, *effect, place, without, dice);
+          hidden.parameters = Weaker(*effect, full, std::vector<double>{0.3, 1.0, 1.0}[dice.Index(3)]);
           Plan changed = *plan;
           effect->Apply(changed, place, hidden.parameters);
           columns = Simulated(changed, registry);
