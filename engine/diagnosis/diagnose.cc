@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "base/random.h"
 #include "diagnosis/decide.h"
@@ -17,11 +18,15 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kTrainingShare = 0.7;
+constexpr double kSearchRows = 2e4;       // a channel: where the search takes place, 2 s of a drive line
+constexpr std::size_t kCarried = 3;       // fits that go on from there to all training data
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
 constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
 constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
 constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
+constexpr int kLaps = 5;             // of the race to the end
+constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
 constexpr double kBeaten = 2.0;      // times the best one's chi2, when it has found its place: no rival any more
 constexpr double kHopeless = 6.0;    // times the best one's chi2, when nothing has been linearised anew yet
 
@@ -29,7 +34,9 @@ class Diagnosing {
  public:
   Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
              const DiagnoseOptions& options)
-      : study_(study),
+      : whole_(study),
+        part_(PartOf(study)),
+        study_(part_ ? &*part_ : &whole_),
         short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data)),
         tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data)),
         data_(data),
@@ -41,41 +48,44 @@ class Diagnosing {
     result_.own_holdout = !holdout_.empty();
     if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
     Step("nominal run", 0.0);
-    const Result<Eigen::VectorXd> nominal = study_.Predict(study_.Nominal());
+    const Result<Eigen::VectorXd> nominal = study_->Predict(study_->Nominal());
     if (!nominal.ok()) return nominal.failure();
     nominal_prediction_ = *nominal;
-    const Result<DoubtModel> doubts = LineariseDoubts(study_, study_.Nominal(), FreedomOf(study_, {}));
+    const Result<DoubtModel> doubts = LineariseDoubts(*study_, study_->Nominal(), FreedomOf(*study_, {}));
     if (!doubts.ok()) return doubts.failure();
-    Whitener whitener(study_.channels(), study_.measured() - *nominal, 0);
-    Fit null = Fitter(study_, whitener).Evaluate({}, *doubts);
-    if (!null.ok()) return Failure{null.broken, study_.plan().id};
+    Whitener whitener(study_->channels(), study_->measured() - *nominal, 0);
+    Fit null = Fitter(*study_, whitener).Evaluate({}, *doubts);
+    if (!null.ok()) return Failure{null.broken, study_->plan().id};
     // Its size and then its colour without what the doubts explain.
     for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
       whitener = WhitenerOf(null, order);
-      null = Fitter(study_, whitener).Evaluate({}, *doubts);
+      null = Fitter(*study_, whitener).Evaluate({}, *doubts);
     }
     // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
     // hide it. Only as a hypothesis of its own does the nominal model get all the freedom of its doubts.
     const Fit base = null;
     null = Warm(null);
-    null = Fitter(study_, WhitenerOf(null, 0)).Polish(std::move(null), 3);
+    null = Fitter(*study_, WhitenerOf(null, 0)).Polish(std::move(null), 3);
 
-    candidates_ = CandidatesFor(study_, MagnitudesOf(study_));
+    candidates_ = CandidatesFor(*study_, MagnitudesOf(*study_));
     threshold_ = Threshold(whitener.rows(), candidates_.size());
-    std::vector<Fit> fits = FitBest(Fitter(study_, whitener), base, "one effect", 0.05, 0.5);
-    Suggest(Fitter(study_, whitener), null, fits);
+    std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
+    Suggest(Fitter(*study_, whitener), null, fits);
     SortAgain(fits, null);
     Fit best = fits.empty() ? null : fits.front();
     std::vector<Structure> structure = StructureOf(best);
     if (!fits.empty() && Above(structure)) {
       // Before a second effect is called for, the first one gets the time it needs.
-      for (const int order : {0, 0, Whitener::kOrder}) best = Fitter(study_, WhitenerOf(best, order)).Polish(best, 8);
-      const Fitter fitter(study_, WhitenerOf(best));
+      for (const int order : {0, 0, Whitener::kOrder}) best = Fitter(*study_, WhitenerOf(best, order)).Polish(best, 8);
+      const Fitter fitter(*study_, WhitenerOf(best));
       fits.front() = best;
       for (Fit& fit : fits) fitter.Weigh(fit);
       structure = StructureOf(best);
     }
     if (!fits.empty() && Above(structure)) TryPairs(fits, null, best, structure);
+    if (part_) {
+      if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
+    }
     Judge(null, fits, structure);
     if (Status failed = Conclude(null, fits)) return *failed;
     result_.simulations = simulations_;
@@ -88,6 +98,14 @@ class Diagnosing {
     plan.root["run"]["realtime"]["substeps"] = Value(2);
     return plan;
   }
+  /// Searching takes as long as the records are; what a line's behaviour can tell, its first seconds do.
+  static std::optional<Study> PartOf(const Study& whole) {
+    const auto rows = static_cast<double>(whole.measured().size());
+    const double channels = static_cast<double>(std::max<std::size_t>(1, whole.channels().size()));
+    const double share = kSearchRows * channels / std::max(rows, 1.0);
+    if (share > 0.7) return std::nullopt;
+    return Study(whole.plan(), whole.records(), whole.registry(), share);
+  }
   static double ShortShare(const std::vector<MappedRecord>& data) {
     double share = 0.3;
     for (const MappedRecord& record : data) share = std::max(share, kScreeningTime_s / std::max(record.end_s, 1e-9));
@@ -97,10 +115,10 @@ class Diagnosing {
   void Step(const std::string& what, double fraction) { options_.progress(what, fraction); }
 
   Whitener WhitenerOf(const Fit& fit, int order = Whitener::kOrder) const {
-    return {study_.channels(), study_.measured() - fit.predicted, order};
+    return {study_->channels(), study_->measured() - fit.predicted, order};
   }
   std::vector<Structure> StructureOf(const Fit& fit) const {
-    return FindStructure(study_, study_.measured() - fit.predicted, fit.predicted);
+    return FindStructure(*study_, study_->measured() - fit.predicted, fit.predicted);
   }
   static bool Above(const std::vector<Structure>& structure) {
     return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.found(); });
@@ -141,17 +159,17 @@ class Diagnosing {
   /// the doubts moving together, which no single start can.
   void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
     constexpr double kFar = 3.0;
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-      const Doubt& doubt = study_.doubts()[i];
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      const Doubt& doubt = study_->doubts()[i];
       if (doubt.effect.empty() || !doubt.relative || std::abs(null.hypothesis.z[i]) < kFar) continue;
-      const Effect* effect = study_.registry().FindEffect(doubt.effect);
+      const Effect* effect = study_->registry().FindEffect(doubt.effect);
       const std::optional<Place> place = ParsePlace(doubt.at);
       if (effect == nullptr || !place) continue;
       const EffectParameter& delta = effect->info().parameters.front();
       Hypothesis at = null.hypothesis;
       at.effects.push_back({effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
       at.z[i] = 0.0;
-      const Result<DoubtModel> doubts = LineariseDoubts(study_, at, FreedomOf(study_, at.effects));
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, FreedomOf(*study_, at.effects));
       if (!doubts.ok()) continue;
       Step("fitting " + at.effects.back().ToString(), 0.5);
       Fit fit = fitter.Optimise(at.effects, *doubts, 8);
@@ -189,11 +207,11 @@ class Diagnosing {
   /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
   Fit OptimiseAfresh(const Fitter& fitter, std::vector<Assumed> effects, const Fit& base) {
     const bool known = saved_.Recall(effects);
-    std::vector<double> freedom = FreedomOf(study_, effects);
+    std::vector<double> freedom = FreedomOf(*study_, effects);
     Hypothesis at{base.doubts.z0, effects};
     if (freedom != base.doubts.freedom) {
       // Another set of doubts: they are linearised about the effect itself.
-      const Result<DoubtModel> doubts = LineariseDoubts(study_, at, freedom);
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, freedom);
       if (!doubts.ok()) return fitter.Evaluate(effects, base.doubts);
       Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 8);
       fit.simulations += static_cast<int>(doubts->free.size()) + 1;
@@ -226,7 +244,7 @@ class Diagnosing {
     // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
     // there yet would count what the fit lacks as noise, and stay there.
     {
-      const Fitter fitter(study_, WhitenerOf(fits.front(), 0));
+      const Fitter fitter(*study_, WhitenerOf(fits.front(), 0));
       for (Fit& fit : fits) fitter.Weigh(fit);
       order();
       each(fitter, "fitting over longer and longer parts: ", 0.5, [&](std::size_t k) {
@@ -236,24 +254,33 @@ class Diagnosing {
       });
       if (fits.empty()) return;
     }
-    // A rival is not beaten before it has found its place: all that come anywhere near the best are fitted to their
-    // end. Twice, because the first time the size of the noise is not known and the doubts' prior weighs too much.
-    for (const int rounds : {3, 8}) {
-      const Fitter fitter(study_, WhitenerOf(fits.front(), 0));
+    // A rival is not beaten before it has found its place: all that come anywhere near the best race on, round by
+    // round, as long as a round brings them a good part of the way to it. The size of the noise is taken anew each
+    // time: before the best one is there, the doubts' prior weighs too much.
+    std::set<std::string> out;
+    for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
+      const Fitter fitter(*study_, WhitenerOf(fits.front(), 0));
       for (Fit& fit : fits) fitter.Weigh(fit);
       order();
       Fit nominal = null;
       fitter.Weigh(nominal);
-      const double reach = fits.front().chi2 + kContender * std::max(0.0, nominal.chi2 - fits.front().chi2);
-      each(fitter, "fitting to the end: ", rounds == 3 ? 0.56 : 0.62, [&](std::size_t k) {
-        if (k > 0 && (fits[k].chi2 > reach || (rounds > 3 && fits[k].settled))) return false;
-        fits[k] = fitter.Polish(std::move(fits[k]), rounds);
+      const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
+      each(fitter, "fitting to the end: ", 0.56 + 0.02 * lap, [&](std::size_t k) {
+        const double gap = fits[k].chi2 - best;
+        if (out.contains(fits[k].Name()) || (k > 0 && gap > reach)) return false;
+        const double before = fits[k].chi2;
+        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 1);
+        if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
         return true;
       });
       if (fits.empty()) return;
+      if (out.size() == fits.size() || std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) {
+            return out.contains(fit.Name()) || fit.chi2 - fits.front().chi2 > reach;
+          }))
+        break;
     }
     {
-      const Fitter fitter(study_, WhitenerOf(fits.front()));
+      const Fitter fitter(*study_, WhitenerOf(fits.front()));
       for (Fit& fit : fits) fitter.Weigh(fit);
       order();
       each(fitter, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
@@ -263,11 +290,11 @@ class Diagnosing {
       });
       if (fits.empty()) return;
     }
-    const Fitter fitter(study_, WhitenerOf(fits.front()));
+    const Fitter fitter(*study_, WhitenerOf(fits.front()));
     // The nominal model gets every chance: also from where the doubts stand beside the best effect.
     Fit other = null;
     other.hypothesis.z = fits.front().hypothesis.z;
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
       if (const std::optional<double> z = AsDoubt(fits.front(), i)) other.hypothesis.z[i] = *z;
     }
     null = fitter.Polish(std::move(null), 3);
@@ -283,23 +310,23 @@ class Diagnosing {
     constexpr double kWithinDoubt = 3.5;
     for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
       const Assumed& moved = pair.hypothesis.effects[e];
-      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-        const Doubt& doubt = study_.doubts()[i];
+      for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+        const Doubt& doubt = study_->doubts()[i];
         if (doubt.effect != moved.effect->info().name || doubt.at != moved.place.ToString()) continue;
         const double z = moved.parameters.front() / doubt.spread;
         if (std::abs(z) > kWithinDoubt) continue;
         Hypothesis at = pair.hypothesis;
         at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
         at.z[i] = z;
-        const Result<DoubtModel> doubts = LineariseDoubts(study_, at, FreedomOf(study_, at.effects));
-        const Result<Eigen::VectorXd> predicted = study_.Predict(at);
+        const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, FreedomOf(*study_, at.effects));
+        const Result<Eigen::VectorXd> predicted = study_->Predict(at);
         if (!doubts.ok() || !predicted.ok()) continue;
         Fit fit;
         fit.hypothesis = at;
         fit.doubts = *doubts;
         fit.predicted = *predicted;
         for (const int order : {0, Whitener::kOrder})
-          fit = Fitter(study_, WhitenerOf(fit, order)).Polish(std::move(fit), 5);
+          fit = Fitter(*study_, WhitenerOf(fit, order)).Polish(std::move(fit), 5);
         return fit;
       }
     }
@@ -310,7 +337,7 @@ class Diagnosing {
   /// loses the phase within a second: over a short part the way to its true place is still downhill.
   Fit Warm(const Fit& cold) {
     Hypothesis at = cold.hypothesis;
-    for (const Study* study : {&tiny_, &short_, &study_}) {
+    for (const Study* study : {&tiny_, &short_, study_}) {
       const Result<DoubtModel> doubts = LineariseDoubts(*study, at, FreedomOf(*study, at.effects));
       const Result<Eigen::VectorXd> predicted = study->Predict(at);
       if (!doubts.ok() || !predicted.ok()) return cold;
@@ -322,7 +349,7 @@ class Diagnosing {
       fit = fitter.Polish(std::move(fit), 2);
       simulations_ += fit.simulations;
       if (!fit.ok()) return cold;
-      if (study == &study_) return fit;
+      if (study == study_) return fit;
       at = fit.hypothesis;
     }
     return cold;
@@ -330,7 +357,7 @@ class Diagnosing {
 
   /// An effect of the fit that moves this doubt's own number, in spreads of the doubt.
   std::optional<double> AsDoubt(const Fit& fit, std::size_t doubt) const {
-    const Doubt& one = study_.doubts()[doubt];
+    const Doubt& one = study_->doubts()[doubt];
     for (const Assumed& assumed : fit.hypothesis.effects) {
       if (one.effect == assumed.effect->info().name && one.at == assumed.place.ToString())
         return assumed.parameters.front() / one.spread;
@@ -339,7 +366,7 @@ class Diagnosing {
   }
 
   void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
-    const Fitter fitter(study_, WhitenerOf(best));
+    const Fitter fitter(*study_, WhitenerOf(best));
     Fit base = best;
     fitter.Weigh(base);
     base.doubts.z0 = base.hypothesis.z;  // candidates are added at the optimum
@@ -355,7 +382,7 @@ class Diagnosing {
     }
     // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
     std::vector<Structure> left = StructureOf(pairs.front());
-    const Fitter last(study_, WhitenerOf(pairs.front()));
+    const Fitter last(*study_, WhitenerOf(pairs.front()));
     Fit alone = last.Polish(best, 6);
     last.Weigh(pairs.front());
     if (Above(left) || alone.criterion - pairs.front().criterion < threshold_) {
@@ -367,19 +394,69 @@ class Diagnosing {
     structure = std::move(left);
   }
 
+  /// Fits that stood on the part go on to all training data: the nominal model, and whatever is not far behind the
+  /// best.
+  Status ToTheWhole(Fit& null, std::vector<Fit>& fits, std::vector<Structure>& structure) {
+    const Fitter last(*study_, fits.empty() ? WhitenerOf(null) : WhitenerOf(fits.front()));
+    for (Fit& fit : fits) last.Weigh(fit);
+    const double best = fits.empty() ? 0.0 : fits.front().criterion, rows = last.whitener().rows();
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      if (k == 0 || (k < kCarried && fits[k].criterion - best < 0.5 * rows)) continue;
+      const Assumed& assumed = fits[k].hypothesis.effects.back();
+      result_.considered.push_back(
+          {assumed.effect->info().name, assumed.place.ToString(),
+           fmt::format("explains less of the first part of the data: -2 log evidence {:.0f} behind",
+                       fits[k].criterion - best),
+           TotalNrmse(fits[k].predicted)});
+    }
+    const auto drop = [&, k = std::size_t{0}](const Fit& fit) mutable {
+      const std::size_t place = k++;
+      return place > 0 && (place >= kCarried || fit.criterion - best >= 0.5 * rows);
+    };
+    std::erase_if(fits, drop);
+    study_ = &whole_;
+    const Result<Eigen::VectorXd> nominal = study_->Predict(study_->Nominal());
+    if (!nominal.ok()) return nominal.failure();
+    nominal_prediction_ = *nominal;
+    const auto carry = [&](Fit& fit, const Fit* leader) {
+      Step("all training data: " + fit.Name(), 0.95);
+      const Hypothesis at = fit.hypothesis;
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, FreedomOf(*study_, at.effects));
+      const Result<Eigen::VectorXd> predicted = study_->Predict(at);
+      if (!doubts.ok() || !predicted.ok()) {
+        fit.broken = "cannot be simulated over all training data";
+        return;
+      }
+      fit.doubts = *doubts;
+      fit.predicted = *predicted;
+      for (const int order : {0, Whitener::kOrder})
+        fit = Fitter(*study_, WhitenerOf(leader != nullptr ? *leader : fit, order)).Polish(std::move(fit), 3);
+    };
+    for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
+    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+    carry(null, fits.empty() ? nullptr : &fits.front());
+    if (!null.ok()) return Failure{null.broken, study_->plan().id};
+    const Fitter fitter(*study_, WhitenerOf(fits.empty() ? null : fits.front()));
+    for (Fit& fit : fits) fitter.Weigh(fit);
+    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
+    threshold_ = Threshold(fitter.whitener().rows(), candidates_.size());
+    structure = StructureOf(fits.empty() ? null : fits.front());
+    return {};
+  }
+
   void Judge(Fit& null, std::vector<Fit>& fits, const std::vector<Structure>& structure) {
-    const Fitter fitter(study_, fits.empty() ? WhitenerOf(null) : WhitenerOf(fits.front()));
+    const Fitter fitter(*study_, fits.empty() ? WhitenerOf(null) : WhitenerOf(fits.front()));
     fitter.Weigh(null);
     fitter.Derive(null);
-    const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
+    const std::vector<double> null_blocks = CrossValidate(*study_, fitter, null);
     const double rows = fitter.whitener().rows();
     std::vector<Fit> standing;
     for (Fit& fit : fits) {
       fitter.Weigh(fit);
       fitter.Derive(fit);
       simulations_ += fit.parameters() + 1;
-      const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
-      const Standing s = Compare(study_, null, null_blocks, fit, blocks, rows, candidates_.size());
+      const std::vector<double> blocks = CrossValidate(*study_, fitter, fit);
+      const Standing s = Compare(*study_, null, null_blocks, fit, blocks, rows, candidates_.size());
       Considered& considered = result_.considered.emplace_back();
       const Assumed& last = fit.hypothesis.effects.back();
       considered.name = last.effect->info().name;
@@ -389,7 +466,7 @@ class Diagnosing {
       considered.validation_nrmse = TotalNrmse(fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
       considered.why_not = WhyNot(s, fit, fits.front());
       bool within = false;  // a change no larger than the doubt about its number is none
-      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const std::optional<double> z = AsDoubt(fit, i);
         within = within || (z && std::abs(*z) < 3.5);
       }
@@ -434,8 +511,8 @@ class Diagnosing {
   std::vector<std::string> StrainedDoubts(const Fit& null) const {
     constexpr double kFar = 3.5;
     std::vector<std::string> strained;
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-      const Doubt& doubt = study_.doubts()[i];
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      const Doubt& doubt = study_->doubts()[i];
       if (!doubt.start && doubt.effect.empty() && std::abs(null.hypothesis.z[i]) > kFar)
         strained.push_back("nominal_value@" + doubt.path);
     }
@@ -467,24 +544,24 @@ class Diagnosing {
   /// RMS over the channels of the NRMSE.
   double TotalNrmse(const Eigen::VectorXd& predicted) const {
     double sum = 0.0;
-    for (const Channel& c : study_.channels()) {
-      const double ms = (study_.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
+    for (const Channel& c : study_->channels()) {
+      const double ms = (study_->measured() - predicted).segment(c.begin, c.count).squaredNorm() /
                         static_cast<double>(std::max<Eigen::Index>(1, c.count));
       sum += ms / std::max(c.spread * c.spread, 1e-300);
     }
-    return std::sqrt(sum / static_cast<double>(study_.channels().size()));
+    return std::sqrt(sum / static_cast<double>(study_->channels().size()));
   }
 
   Status Conclude(Fit& null, std::vector<Fit>& fits) {
     const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
     const Fit& best = known ? fits.front() : null;
     NoiseFloor(best);
-    result_.where = FindWhere(study_, study_.measured() - nominal_prediction_, floor_);
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+    result_.where = FindWhere(*study_, study_->measured() - nominal_prediction_, floor_);
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
       if (best.hypothesis.z[i] == 0.0) continue;
-      const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
+      const DoubtValue value = ValueOf(study_->doubts()[i], best.hypothesis.z[i], study_->plan());
       result_.refitted.push_back(
-          {study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_.doubts()[i].start});
+          {study_->doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_->doubts()[i].start});
     }
     if (known) ReportEffects(fits);
     if (Status failed = MeasureGain(best)) return failed;
@@ -498,7 +575,7 @@ class Diagnosing {
       }
     }
     if (!known) return {};
-    const Result<std::string> file = WriteExtended(study_, best, result_, options_);
+    const Result<std::string> file = WriteExtended(*study_, best, result_, options_);
     if (!file.ok()) return file.failure();
     result_.extended_scenario = *file;
     return {};
@@ -531,17 +608,17 @@ class Diagnosing {
     }
     names.insert(names.end(), also_.begin(), also_.end());
     result_.ambiguous_with.push_back(names);
-    result_.experiment_text = SeparatingText(study_, alike);
-    const Result<std::string> file = WriteSeparating(study_, alike, options_);
+    result_.experiment_text = SeparatingText(*study_, alike);
+    const Result<std::string> file = WriteSeparating(*study_, alike, options_);
     if (file.ok()) result_.experiment_scenario = *file;
   }
 
   /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
   /// and nothing but noise is left, the residual itself.
   void NoiseFloor(const Fit& best) {
-    const Eigen::VectorXd residual = study_.measured() - best.predicted;
+    const Eigen::VectorXd residual = study_->measured() - best.predicted;
     double sum = 0.0;
-    for (const Channel& c : study_.channels()) {
+    for (const Channel& c : study_->channels()) {
       const auto rows = residual.segment(c.begin, c.count);
       const double rms = std::sqrt(rows.squaredNorm() / static_cast<double>(c.count));
       const double white = HighFrequencyFloor(rows);
@@ -551,7 +628,7 @@ class Diagnosing {
       result_.residual_by_signal[c.name] = rms;
       sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
     }
-    result_.noise_floor = std::sqrt(sum / static_cast<double>(study_.channels().size()));
+    result_.noise_floor = std::sqrt(sum / static_cast<double>(study_->channels().size()));
   }
 
   /// Opened once, after the choice.
@@ -575,19 +652,19 @@ class Diagnosing {
       return all;
     };
     // Before: the scenario as written, but from the record's own start.
-    Hypothesis plain = study_.Nominal(), start = study_.Nominal();
+    Hypothesis plain = study_->Nominal(), start = study_->Nominal();
     for (std::size_t i = 0; i < plain.z.size(); ++i) {
-      if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
+      if (study_->doubts()[i].start) start.z[i] = best.hypothesis.z[i];
     }
-    const Result<Eigen::VectorXd> before = study_.Predict(start), after = study_.Predict(best.hypothesis);
+    const Result<Eigen::VectorXd> before = study_->Predict(start), after = study_->Predict(best.hypothesis);
     if (!before.ok()) return before.failure();
     if (!after.ok()) return after.failure();
-    result_.train = gains(study_, *before, *after, 0.0);
-    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry());
+    result_.train = gains(*study_, *before, *after, 0.0);
+    const Study full(study_->plan(), result_.own_holdout ? holdout_ : data_, study_->registry());
     Hypothesis chosen = best.hypothesis;
     if (result_.own_holdout) {
       for (std::size_t i = 0; i < chosen.z.size(); ++i) {
-        if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
+        if (study_->doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
       }
     }
     const Result<Eigen::VectorXd> b = full.Predict(start), a = full.Predict(chosen);
@@ -633,7 +710,9 @@ class Diagnosing {
     gain.upper = drawn[974];
   }
 
-  const Study& study_;
+  const Study& whole_;               // all that is for training
+  const std::optional<Study> part_;  // its first part, where the search takes place when the records are long
+  const Study* study_;               // where the fits stand now: the part, then the whole
   const Study short_, tiny_;
   double short_base_chi2_ = 0.0, short_threshold_ = 0.0;
   const std::vector<MappedRecord>& data_;
