@@ -4,14 +4,6 @@
 
 namespace dynoproof::mechanics {
 
-GasState StateOf(const GasPair& gases, const Charge& charge, double volume) {
-  const double mR = charge.mass[0] * gases.R[0] + charge.mass[1] * gases.R[1];
-  const double mcv = charge.mass[0] * gases.cv(0) + charge.mass[1] * gases.cv(1);
-  const double theta = charge.energy / mcv, per_mass = 1.0 / charge.total();
-  return {mR * theta / volume,   theta,          mR * per_mass,
-          (mR + mcv) * per_mass, 1.0 + mR / mcv, {charge.mass[0] * per_mass, charge.mass[1] * per_mass}};
-}
-
 GasState StateAt(const GasPair& gases, double pressure, double theta, double exhaust_portion) {
   const double air = 1.0 - exhaust_portion, R = air * gases.R[0] + exhaust_portion * gases.R[1];
   const double cp = air * gases.cp(0) + exhaust_portion * gases.cp(1);

@@ -18,8 +18,8 @@ namespace dynoproof::mechanics {
 /// The two gases: specific gas constants [J/(kg K)] and heat capacity ratios, constant.
 struct GasPair {
   std::array<double, 2> R = {287.05, 290.0}, chi = {1.39, 1.33};
-  double cv(int j) const { return R[j] / (chi[j] - 1.0); }
-  double cp(int j) const { return R[j] * chi[j] / (chi[j] - 1.0); }
+  std::array<double, 2> cv = {R[0] / (chi[0] - 1.0), R[1] / (chi[1] - 1.0)};  // follow from them
+  double cp(int j) const { return R[j] + cv[j]; }
 };
 
 /// What a volume holds [kg, kg, J]; also a flow of that [kg/s, kg/s, W].
@@ -46,7 +46,13 @@ struct GasState {
   std::array<double, 2> portion;  // of the mass, by gas
 };
 /// Of a charge in a volume [m^3]; masses and energy > 0.
-GasState StateOf(const GasPair& gases, const Charge& charge, double volume);
+inline GasState StateOf(const GasPair& gases, const Charge& charge, double volume) {
+  const double mR = charge.mass[0] * gases.R[0] + charge.mass[1] * gases.R[1];
+  const double mcv = charge.mass[0] * gases.cv[0] + charge.mass[1] * gases.cv[1];
+  const double theta = charge.energy / mcv, per_mass = 1.0 / charge.total();
+  return {mR * theta / volume,   theta,          mR * per_mass,
+          (mR + mcv) * per_mass, 1.0 + mR / mcv, {charge.mass[0] * per_mass, charge.mass[1] * per_mass}};
+}
 /// At a pressure and temperature, with a portion of exhaust gas.
 GasState StateAt(const GasPair& gases, double pressure, double theta, double exhaust_portion = 0.0);
 /// The charge that has this state in a volume.

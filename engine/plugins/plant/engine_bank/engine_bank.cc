@@ -95,7 +95,7 @@ PluginInfo EngineBank::Info() {
 
 EngineBank::EngineBank(const Params& params)
     : p_(params),
-      gases_{{params.R_air_J_per_kg_K, params.R_exhaust_J_per_kg_K}, {params.chi_air, params.chi_exhaust}},
+      gases_{.R = {params.R_air_J_per_kg_K, params.R_exhaust_J_per_kg_K}, .chi = {params.chi_air, params.chi_exhaust}},
       ambient_(StateAt(gases_, params.ambient_pressure_Pa, params.ambient_theta_K)),
       psi_(params.laminar_ratio),
       crank_(params.geometry.crank()),
@@ -161,13 +161,6 @@ EngineBank::EngineBank(const Params& params)
 
 EngineBank::Crank EngineBank::CrankAt(double angle) {
   return {mechanics::WithinCycle(angle), std::sin(angle), std::cos(angle)};
-}
-
-EngineBank::Crank EngineBank::CrankOf(const Crank& first, int i) const {
-  const Crank& by = offset_[i];
-  const double phi = first.phi + by.phi;
-  return {phi < kCycle ? phi : phi - kCycle, first.sine * by.cosine + first.cosine * by.sine,
-          first.cosine * by.cosine - first.sine * by.sine};
 }
 
 int EngineBank::CyclesBegun(double angle, int mode) const {

@@ -130,7 +130,12 @@ class EngineBank : public Component {
   };
   static Crank CrankAt(double angle);
   /// Of cylinder i, when the first one's is `first`.
-  Crank CrankOf(const Crank& first, int i) const;
+  Crank CrankOf(const Crank& first, int i) const {
+    const Crank& by = offset_[i];
+    const double phi = first.phi + by.phi;
+    return {phi < mechanics::kCycle ? phi : phi - mechanics::kCycle, first.sine * by.cosine + first.cosine * by.sine,
+            first.cosine * by.cosine - first.sine * by.sine};
+  }
   /// Cycles that a cylinder at that angle has begun: mode 0 with opening exhaust valves, 1 with closed intake valves.
   int CyclesBegun(double angle, int mode) const;
   bool Closed(const Crank& crank) const;
