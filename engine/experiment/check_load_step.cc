@@ -83,6 +83,7 @@ std::vector<score::Check> LoadStepCheck::Run(CheckContext& context) const {
   context.figures["speed_drop_percent"] = {drop, "%"};
   context.figures["drop_s"] = {time[deepest] - begin_s, "s"};
   context.figures["recovery_s"] = {recovers ? recovery : end_s - begin_s, "s"};
+  context.figures["speed_end_percent"] = {100.0 * (Mean(speed, last, speed.size()) - before) / before, "%"};
   context.figures["power_before_W"] = {power_before, "W"};
   context.figures["power_peak_W"] = {peak, "W"};
   context.figures["power_dip_W"] = {dip, "W"};

@@ -10,10 +10,11 @@ namespace dynoproof {
 
 /// A speed and a power after the one step of an input. Figures: speed_drop_percent, the deepest place below the mean of
 /// the last second before the step; drop_s, when it is there; recovery_s, from the step into `band_percent` of that
-/// mean for good; power_peak_W, the largest within `peak_within_s` of the step; power_dip_W, the least between there
-/// and recovery; power_end_W, the mean of the last second. The speed drops between two limits and recovers; the power
-/// rises at once, is taken back while the speed is low (by dip_percent of the rise at least) and comes to its new
-/// level.
+/// mean for good; speed_end_percent, what the mean of the last second is above it;
+/// power_before_W, that of the power; power_peak_W, the largest within `peak_within_s` of the step; power_dip_W, the
+/// least between there and recovery; power_end_W, the mean of the last second. The speed drops between two limits and
+/// recovers; the power rises at once, is taken back while the speed is low (by dip_percent of the rise at least) and
+/// comes to its new level.
 class LoadStepCheck : public CheckPlan {
  public:
   struct Params {

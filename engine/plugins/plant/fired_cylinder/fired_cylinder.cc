@@ -45,8 +45,8 @@ void FiredCylinder::Output(const View& view, std::span<double> outputs) const {
   const double at = std::min(p_.heat_at_deg + retard, p_.exhaust_opens_deg - 360.0);
   const mechanics::FiredCycle::Result cycle =
       cycle_.Run(view.inputs[2], view.inputs[1], volume_closed_, p_.geometry.Volume(at * kPerDegree), volume_open_,
-                 std::max(0.0, fuel));
-  const double ratio = 10.0 * p_.air_need * fuel > air ? air / (p_.air_need * fuel) : 10.0;
+                 fuel < 0.0 ? 0.0 : fuel);
+  const double ratio = 10.0 * p_.air_need * fuel <= air ? 10.0 : air / (p_.air_need * fuel);
   outputs[0] = cycle.pressure_end;
   outputs[1] = cycle.work;
   outputs[2] = cycle.pressure_fired;
