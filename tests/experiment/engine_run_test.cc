@@ -98,6 +98,24 @@ TEST(GasEngine, TripsWhenItsLoadIsLost) {
   EXPECT_LT(std::abs(Of(*engine, samples, "energy_balance").back()), 1e-12);
 }
 
+TEST(GasEngine, StandsStill) {
+  // Nobody cranks it: whatever its controls want, nothing burns.
+  std::vector<std::string> still = {"run.duration_s=0.5", "part.train.start_speed_rad_per_s=0",
+                                    "plant.turbocharger.low.start_speed_rad_per_s=0",
+                                    "plant.turbocharger.high.start_speed_rad_per_s=0"};
+  for (const char* name : {"between", "receiver", "exhaust", "middle"}) {
+    still.push_back(fmt::format("plant.volume.{}.start_pressure_Pa=101300", name));
+  }
+  const auto engine = GasEngine(still);
+  const Samples samples = RunRig(*engine->rig, "realtime");
+  EXPECT_GT(samples.inputs[static_cast<std::size_t>(FindInput(*engine->rig, "fuel"))].back(), 0.0);
+  for (const double speed : Of(*engine, samples, "speed")) ASSERT_LT(std::abs(speed), 0.1);
+  for (const double power : Of(*engine, samples, "power")) ASSERT_LT(power, 100.0);
+  EXPECT_NEAR(Of(*engine, samples, "p_exhaust").back(), 101300.0, 1000.0);
+  EXPECT_LT(std::abs(Of(*engine, samples, "mass_balance").back()), 1e-12);
+  EXPECT_LT(std::abs(Of(*engine, samples, "energy_balance").back()), 1e-12);
+}
+
 TEST(GasEngine, TakesNothingFromTheHeap) {
   const auto engine = GasEngine();
   const auto solver = MakeRealtimeSolver(*engine->rig);

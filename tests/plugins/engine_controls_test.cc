@@ -150,6 +150,7 @@ TEST(PowerTrain, GridTakesWhatIsLeft) {
 
 TEST(PowerTrain, StandsStillWithoutTorque) {
   for (const double rate : TrainRates("island", 0.0, 0.0, 0.0, 0.0)) EXPECT_EQ(rate, 0.0);
+  for (const double rate : TrainRates("island", 0.0, -2e3, 0.0, 0.0)) EXPECT_EQ(rate, 0.0) << "no cycle at rest";
   EXPECT_GT(TrainRates("island", 0.0, 0.0, 0.0, -5.0)[1], 0.0) << "friction brakes both ways";
 }
 

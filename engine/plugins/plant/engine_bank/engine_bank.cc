@@ -359,7 +359,7 @@ void EngineBank::Output(const View& view, std::span<double> outputs) const {
     const mechanics::SliderCrank::Travel travel = crank_.At(crank.sine, crank.cosine);
     const double pressure =
         StateOf(gases_, ChargeAt(view.states, kVolumes + i), clearance_ + piston_area_ * travel.s).pressure;
-    if (open) torque += pressure * piston_area_ * travel.first;
+    if (open) torque += (pressure - ambient_.pressure) * piston_area_ * travel.first;
     if (i == 0) outputs[kCylinderPressure] = pressure;
   }
   outputs[kTorque] = p_.banks * torque;

@@ -11,8 +11,9 @@
 // interval of the run ends (guard -1), a tick late at most; the pressure is carried on to there by p V^chi = const.
 //
 // Inputs angle [rad], speed [rad/s] of the crankshaft, p_evo [Pa], fuel [kg per cycle and cylinder], blow_off [%].
-// Outputs below. `torque` is that of the gas while a valve is open, of all banks; the work of the closed part is
-// measured and enters the power train. Balances: what is there less what was and crossed, over all that came in.
+// Outputs below. `torque` is that of the gas against ambient pressure while a valve is open, of all banks; the work of
+// the closed part is measured and enters the power train. Balances: what is there less what was and crossed, over all
+// that came in.
 #pragma once
 
 #include "mechanics/gas_exchange.h"

@@ -33,7 +33,7 @@ FiredCylinder::FiredCylinder(const Params& params)
                     {"fuel", "kg", "fuel of the cycle", 1e-3},
                     {"retard", "deg", "retard of the ignition", 10.0}};
   layout_.outputs = {{"p_evo", "Pa", "pressure as the exhaust valves open", 1e6},
-                     {"work", "J", "work of the closed part of the cycle", 1e5},
+                     {"work", "J", "work of the closed part of the cycle, against the crankcase", 1e5},
                      {"peak_pressure", "Pa", "pressure behind the heat release", 1e7},
                      {"air_ratio", "1", "air ratio lambda, at most 10", 1.0},
                      {"knock", "1", "knock intensity, 1: the limit", 1.0},
@@ -48,7 +48,7 @@ void FiredCylinder::Output(const View& view, std::span<double> outputs) const {
                  fuel < 0.0 ? 0.0 : fuel);
   const double ratio = 10.0 * p_.air_need * fuel <= air ? 10.0 : air / (p_.air_need * fuel);
   outputs[0] = cycle.pressure_end;
-  outputs[1] = cycle.work;
+  outputs[1] = cycle.work - p_.crankcase_pressure_Pa * (volume_open_ - volume_closed_);
   outputs[2] = cycle.pressure_fired;
   outputs[3] = ratio;
   outputs[4] = std::exp((cycle.theta_unburnt - p_.knock_theta_K) / p_.knock_scale_K);

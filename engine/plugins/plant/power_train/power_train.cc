@@ -63,9 +63,9 @@ PowerTrain::PowerTrain(const Params& params) : p_(params), grid_(params.operatio
 
 PowerTrain::Torques PowerTrain::At(const View& view) const {
   const double speed = view.states[kSpeedState];
-  const double indicated = view.inputs[0] + p_.cylinders * view.inputs[1] / (4.0 * std::numbers::pi);
-  const double friction =
-      (p_.friction_Nm + p_.friction_Nms_per_rad * std::abs(speed)) * std::tanh(speed / p_.friction_speed_rad_per_s);
+  const double turning = std::tanh(speed / p_.friction_speed_rad_per_s);
+  const double indicated = view.inputs[0] + p_.cylinders * view.inputs[1] / (4.0 * std::numbers::pi) * turning;
+  const double friction = (p_.friction_Nm + p_.friction_Nms_per_rad * std::abs(speed)) * turning;
   return {indicated, friction, grid_ ? indicated - friction : view.inputs[2]};
 }
 

@@ -1,12 +1,12 @@
 // Part `power_train`: crankshaft with generator, thesis (6.2), in island or grid operation.
 //
 //   phi' = w      island: w' = (T_indicated - T_friction - T_consumer)/I      grid: w' = 0, the grid takes what is left
-//   T_indicated = torque + cylinders work/(4 pi)     T_friction = (T_f + b |w|) tanh(w/w_0)
+//   T_indicated = torque + cylinders work/(4 pi) tanh(w/w_0)     T_friction = (T_f + b |w|) tanh(w/w_0)
 //
 // `torque` is that of the gas while valves are open, `work` [J] the measured work of the closed part of a cycle, spread
-// over its two turns. Inputs torque, work, load [N m]; outputs angle, speed, indicated_power and consumer_power as a
-// transducer with the lag power_lag_s shows them (gas torque pulsates; and no output may feed through, since the gas
-// side reads angle and speed), energy_balance.
+// over its two turns: none is done at rest. Inputs torque, work, load [N m]; outputs angle, speed, indicated_power and
+// consumer_power as a transducer with the lag power_lag_s shows them (gas torque pulsates; and no output may feed
+// through, since the gas side reads angle and speed), energy_balance.
 #pragma once
 
 #include "model/registry.h"
@@ -46,7 +46,8 @@ class PowerTrain : public Component {
       v.Required("inertia_kg_m2", inertia_kg_m2, Positive(), "crankshaft and generator I");
       v.Optional("friction_Nm", friction_Nm, NonNegative(), "dry friction T_f");
       v.Optional("friction_Nms_per_rad", friction_Nms_per_rad, NonNegative(), "viscous friction b");
-      v.Optional("friction_speed_rad_per_s", friction_speed_rad_per_s, Positive(), "w_0, below which T_f goes to 0");
+      v.Optional("friction_speed_rad_per_s", friction_speed_rad_per_s, Positive(),
+                 "w_0, below which T_f and the work of cycles go to 0");
       v.Optional("start_speed_rad_per_s", start_speed_rad_per_s, Any(), "speed at t = 0; the grid's");
       v.Optional("power_lag_s", power_lag_s, Positive(), "lag of the power transducers");
     }
