@@ -183,7 +183,7 @@ Result<Figure> CylinderRate(const Registry&, const Value&) {
     const double q_in = between(0.0, 3.0), h_in = between(2e5, 5e5), q_out = between(0.0, 3.0);
     const double h_out = gas.cp * gas.theta;
     const double dm[2] = {q_in - q_out * gas.portion[0], -q_out * gas.portion[1]};
-    const mechanics::Charge charge = ChargeOf(gases, gas, volume);
+    const mechanics::Charge charge = ChargeOf(gas, volume);
     const double dU = q_in * h_in - q_out * h_out + Q_w - gas.pressure * dV;
     double sum_R = 0.0, sum_cv = 0.0;
     for (int j = 0; j < 2; ++j) {

@@ -10,7 +10,7 @@ GasState StateAt(const GasPair& gases, double pressure, double theta, double exh
   return {pressure, theta, R, cp, cp / (cp - R), {air, exhaust_portion}};
 }
 
-Charge ChargeOf(const GasPair&, const GasState& state, double volume) {
+Charge ChargeOf(const GasState& state, double volume) {
   const double mass = state.pressure * volume / (state.R * state.theta);
   return {{mass * state.portion[0], mass * state.portion[1]}, mass * (state.cp - state.R) * state.theta};
 }

@@ -56,7 +56,7 @@ inline GasState StateOf(const GasPair& gases, const Charge& charge, double volum
 /// At a pressure and temperature, with a portion of exhaust gas.
 GasState StateAt(const GasPair& gases, double pressure, double theta, double exhaust_portion = 0.0);
 /// The charge that has this state in a volume.
-Charge ChargeOf(const GasPair& gases, const GasState& state, double volume);
+Charge ChargeOf(const GasState& state, double volume);
 
 /// A mass flow [kg/s] of that gas with its enthalpy, as a flow of charge.
 Charge Carry(const GasState& gas, double flow);

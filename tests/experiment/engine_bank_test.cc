@@ -56,7 +56,7 @@ TEST(EngineBank, BlowsDownChokedAsTheClosedForm) {
   Bank bank(overrides, phi, 0.0);
   const mechanics::GasPair gases;
   const auto hot = mechanics::StateAt(gases, 12e5, 1000.0, 1.0);
-  const auto charge = mechanics::ChargeOf(gases, hot, Volume(phi));
+  const auto charge = mechanics::ChargeOf(hot, Volume(phi));
   bank.State("cylinder_1.air") = 0.0;
   bank.State("cylinder_1.exhaust") = charge.mass[1];
   bank.State("cylinder_1.energy") = charge.energy;
@@ -153,7 +153,7 @@ TEST(EngineBank, ExchangesItsGasAsSixOneByCvode) {
     for (const int steps : {683, 6830}) {  // of 100 us and 10 us
       Bank bank(Vast(receiver, exhaust), from, kSpeed);
       const mechanics::GasPair gases;
-      const auto fired = mechanics::ChargeOf(gases, mechanics::StateAt(gases, 5.3e5, 950.0, 1.0), Volume(from));
+      const auto fired = mechanics::ChargeOf(mechanics::StateAt(gases, 5.3e5, 950.0, 1.0), Volume(from));
       bank.State("cylinder_1.air") = 0.0;
       bank.State("cylinder_1.exhaust") = fired.mass[1];
       bank.State("cylinder_1.energy") = fired.energy;
@@ -271,8 +271,7 @@ TEST(EngineBank, RestsWhereAllIsAlike) {
     const std::string name = fmt::format("cylinder_{}", i + 1);
     const bool air = bank.State(name + ".exhaust") == 0.0;
     const mechanics::GasPair gases;
-    const auto charge =
-        mechanics::ChargeOf(gases, mechanics::StateAt(gases, 101300.0, 298.0, air ? 0.0 : 1.0), Volume(phi));
+    const auto charge = mechanics::ChargeOf(mechanics::StateAt(gases, 101300.0, 298.0, air ? 0.0 : 1.0), Volume(phi));
     bank.State(name + ".air") = charge.mass[0];
     bank.State(name + ".exhaust") = charge.mass[1];
     bank.State(name + ".energy") = charge.energy;
@@ -336,6 +335,9 @@ TEST(EngineBank, TellsAllFaultsAtOnce) {
   EXPECT_EQ(testing::BuiltIns().MakeComponent("plant", table, context), nullptr);
   EXPECT_THAT(diagnostics.Format(), ::testing::HasSubstr("there is no \"tank\" here"));
   EXPECT_THAT(diagnostics.Format(), ::testing::HasSubstr("cannot turn a crank"));
+  table["valves"]["exhaust"]["opens_deg"] = Value(150.0);
+  EXPECT_EQ(testing::BuiltIns().MakeComponent("plant", table, context), nullptr);
+  EXPECT_THAT(diagnostics.Format(), ::testing::HasSubstr("no part of the cycle with all valves closed"));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(GasState, IsThatOfTheMixture) {
   EXPECT_NEAR(gas.chi, 1.0 + mR / mcv, 1e-14);
   EXPECT_NEAR(gas.cp - gas.R, mcv / 0.04, 1e-10);
   EXPECT_NEAR(gas.portion[1], 0.25, 1e-15);
-  const Charge again = ChargeOf(kGases, gas, 0.02);
+  const Charge again = ChargeOf(gas, 0.02);
   EXPECT_NEAR(again.mass[0], 0.03, 1e-15);
   EXPECT_NEAR(again.energy, 2e4, 1e-9);
   const GasState same = StateAt(kGases, gas.pressure, gas.theta, 0.25);

@@ -43,19 +43,24 @@ void Put(const Charge& charge, int index, std::span<double> states) {
   states[3 * index + 2] = charge.energy;
 }
 
+/// True when the section has exactly these names.
 template <class T, std::size_t N>
-void CheckNames(Faults& faults, const char* section, const std::vector<std::pair<std::string, T>>& entries,
+bool CheckNames(Faults& faults, const char* section, const std::vector<std::pair<std::string, T>>& entries,
                 const char* const (&names)[N]) {
+  bool good = true;
   for (const char* name : names) {
     if (std::none_of(entries.begin(), entries.end(), [name](const auto& entry) { return entry.first == name; })) {
       faults.At(section, fmt::format("\"{}\" is missing", name), fmt::format("write [plant.{}.{}]", section, name));
+      good = false;
     }
   }
   for (const auto& entry : entries) {
     if (std::none_of(std::begin(names), std::end(names), [&](const char* name) { return entry.first == name; })) {
       faults.At(section, fmt::format("there is no \"{}\" here", entry.first));
+      good = false;
     }
   }
+  return good;
 }
 
 template <class T>
@@ -79,9 +84,18 @@ mechanics::ValveTrain EngineBank::Valves::Train() const {
 
 void EngineBank::Params::Check(Faults& faults) const {
   geometry.Check(faults);
-  CheckNames(faults, "valves", valves, kValveNames);
   CheckNames(faults, "volume", volume, kVolumeNames);
   CheckNames(faults, "turbocharger", turbocharger, kChargerNames);
+  if (!CheckNames(faults, "valves", valves, kValveNames)) return;
+  // Compression and expansion lie between: what is trapped there is fired.
+  const mechanics::ValveTrain in = Named(valves, "intake").Train(), out = Named(valves, "exhaust").Train();
+  const double closed = in.closes(), duration = mechanics::WithinCycle(out.opens - closed);
+  const auto within = [&](double angle) { return mechanics::WithinCycle(angle - closed) < duration; };
+  if (!(closed < out.opens) || within(in.opens) || within(out.closes())) {
+    faults.At(
+        "valves", "there is no part of the cycle with all valves closed around 360 degrees",
+        "intake closes before 360 and exhaust opens behind it, in degrees from the dead centre with gas exchange");
+  }
 }
 
 PluginInfo EngineBank::Info() {
@@ -199,11 +213,11 @@ void EngineBank::Start(std::span<const double> inputs, std::span<double> states,
   for (int i = 0; i < kVolumes; ++i) {
     const double exhaust = i == kExhaust || i == kMiddle ? 1.0 : 0.0;
     const GasState gas = StateAt(gases_, start_[i].start_pressure_Pa, start_[i].start_theta_K, exhaust);
-    Put(ChargeOf(gases_, gas, volume_m3_[i]), i, states);
+    Put(ChargeOf(gas, volume_m3_[i]), i, states);
   }
   const GasState receiver = VolumeState(states, kReceiver), pipe = VolumeState(states, kExhaust);
   const double trapped_volume = VolumeAt(closed_begin_);
-  const Charge fresh = ChargeOf(gases_, receiver, trapped_volume);
+  const Charge fresh = ChargeOf(receiver, trapped_volume);
   const Crank first = CrankAt(inputs[kAngle]);
   for (int i = 0; i < p_.cylinders; ++i) {
     const Crank crank = CrankOf(first, i);
@@ -216,7 +230,7 @@ void EngineBank::Start(std::span<const double> inputs, std::span<double> states,
       charge.energy *= std::pow(trapped_volume / volume, gases_.chi[0] - 1.0);
     } else {
       const bool discharging = exhaust_.Area(crank.phi) > intake_.Area(crank.phi);
-      charge = ChargeOf(gases_, discharging ? pipe : receiver, volume);
+      charge = ChargeOf(discharging ? pipe : receiver, volume);
     }
     Put(charge, kVolumes + i, states);
   }
