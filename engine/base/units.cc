@@ -126,6 +126,7 @@ std::string UnitOfSuffix(std::string_view name) {
       {"_Nms_per_rad", "N m s/rad"},
       {"_kg_m2", "kg m^2"},
       {"_J_per_kg_K", "J/(kg K)"},
+      {"_J_per_kg", "J/kg"},
       {"_kg_per_s", "kg/s"},
       {"_Pas_per_kg", "Pa s/kg"},
       {"_Ns_per_m", "N s/m"},
@@ -149,6 +150,7 @@ std::string UnitOfSuffix(std::string_view name) {
       {"_m2", "m^2"},
       {"_m", "m"},
       {"_K", "K"},
+      {"_V", "V"},
   };
   for (const auto& [suffix, unit] : table) {
     if (name.size() > suffix.size() && name.ends_with(suffix)) return std::string(unit);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "experiment/check_kinds.h"
+#include "experiment/check_load_step.h"
 #include "experiment/check_pressure.h"
 #include "experiment/check_suppression.h"
 #include "experiment/why.h"
@@ -231,10 +232,10 @@ Kind MakeKind() {
 
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds = {
-      MakeKind<BoundedCheck>(), MakeKind<ContactsCheck>(),   MakeKind<CouplingCheck>(), MakeKind<DivergenceCheck>(),
-      MakeKind<FollowsCheck>(), MakeKind<GoldenCheck>(),     MakeKind<GrowthCheck>(),   MakeKind<OracleCheck>(),
-      MakeKind<PeakCheck>(),    MakeKind<PlacementsCheck>(), MakeKind<RampsCheck>(),    MakeKind<ResonancesCheck>(),
-      MakeKind<SolversCheck>(), MakeKind<WanderCheck>(),     MakeKind<WindowsCheck>()};
+      MakeKind<BoundedCheck>(),    MakeKind<ContactsCheck>(), MakeKind<CouplingCheck>(),   MakeKind<DivergenceCheck>(),
+      MakeKind<FollowsCheck>(),    MakeKind<GoldenCheck>(),   MakeKind<GrowthCheck>(),     MakeKind<LoadStepCheck>(),
+      MakeKind<OracleCheck>(),     MakeKind<PeakCheck>(),     MakeKind<PlacementsCheck>(), MakeKind<RampsCheck>(),
+      MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>(),  MakeKind<WanderCheck>(),     MakeKind<WindowsCheck>()};
   return kinds;
 }
 

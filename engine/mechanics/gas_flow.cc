@@ -24,6 +24,14 @@ double FlowFunction(double ratio) {
   return ratio >= 2.0 ? std::numbers::sqrt2 / 2.0 : std::sqrt(2.0 / ratio * (1.0 - 1.0 / ratio));
 }
 
+LaminarFlowFunction::LaminarFlowFunction(double delta) : delta_(delta) {
+  assert(delta > 0.0 && delta < 1.0);
+  const double ratio = 1.0 + delta, value = FlowFunction(ratio);
+  const double slope = (2.0 - ratio) / (ratio * ratio * ratio * value);
+  linear_ = (3.0 * value / delta - slope) / 2.0;
+  cubic_ = (slope - value / delta) / (2.0 * delta * delta);
+}
+
 double IsentropicFlowFunction(double ratio, double kappa) {
   const double inverse = 1.0 / std::min(ratio, CriticalRatio(kappa));
   // x^(2/kappa) - x^((kappa+1)/kappa) = -x^(2/kappa) expm1((kappa-1)/kappa ln x): no digits lost near x = 1.

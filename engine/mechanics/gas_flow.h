@@ -16,6 +16,20 @@ double IsentropicFlowFunction(double ratio, double kappa);
 /// Largest relative deviation of (6.5) from the isentropic function over all ratios above 1: where both are choked.
 double FlowFunctionDeviation(double kappa);
 
+/// (6.5) with a finite slope at a ratio of 1, so that wide open valves between equal pressures are not infinitely
+/// stiff: below 1 + delta an odd cubic of ratio - 1 that meets (6.5) there with its slope.
+class LaminarFlowFunction {
+ public:
+  explicit LaminarFlowFunction(double delta = 0.01);  // 0 < delta < 1
+  double operator()(double ratio) const {
+    const double x = ratio - 1.0;
+    return x < delta_ ? x * (linear_ + cubic_ * x * x) : FlowFunction(ratio);
+  }
+
+ private:
+  double delta_, linear_, cubic_;
+};
+
 struct Gas {
   double R = 287.05;        // specific gas constant [J/(kg K)], > 0
   double theta = 320.0;     // temperature [K], > 0

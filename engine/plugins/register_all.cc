@@ -6,6 +6,7 @@
 #include "plugins/control/charge_air_control/charge_air_control.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
+#include "plugins/control/engine_control/engine_control.h"
 #include "plugins/control/pressure_pi/pressure_pi.h"
 #include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
@@ -24,8 +25,11 @@
 #include "plugins/law/springs/springs.h"
 #include "plugins/plant/charge_air/charge_air.h"
 #include "plugins/plant/drive_line/drive_line.h"
+#include "plugins/plant/engine_bank/engine_bank.h"
+#include "plugins/plant/fired_cylinder/fired_cylinder.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
+#include "plugins/plant/power_train/power_train.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
 #include "plugins/plant/volumetric_engine/volumetric_engine.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
@@ -55,9 +59,13 @@ void RegisterControls(Registry& registry) {
   registry.Add<controls::ChargeAirLegacy>();
   registry.Add<controls::ClassicalCore>();
   registry.Add<controls::Core10k>();
+  registry.Add<controls::EngineGovernor>();
+  registry.Add<controls::KnockControl>();
+  registry.Add<controls::NoxControl>();
   registry.Add<controls::PressurePi>();
   registry.Add<controls::RotorFluxControl>();
   registry.Add<controls::SpeedPi>();
+  registry.Add<controls::VoltageControl>();
 }
 
 void RegisterEffects(Registry& registry) {
@@ -126,8 +134,12 @@ void RegisterLaws(Registry& registry) {
 void RegisterPlants(Registry& registry) {
   registry.Add<ChargeAir>();
   registry.Add<DriveLine>();
+  registry.Add<EngineBank>();
+  registry.Add<FiredCylinder>();
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
+  registry.Add<PowerTrain>();
+  registry.Add<ResistorLoad>();
   registry.Add<SingleCylinder>();
   registry.Add<VolumetricEngine>();
 }

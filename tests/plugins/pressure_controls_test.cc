@@ -6,28 +6,13 @@
 
 #include "mechanics/gas_flow.h"
 #include "plugins/control/pressure_pi/conditioned_pi.h"
-#include "tests/support/build.h"
+#include "tests/support/ticking.h"
 
 namespace dynoproof {
 namespace {
 
 using testing::Build;
-
-struct Ticking {
-  std::unique_ptr<Component> control;
-  std::vector<double> states, outputs;
-  explicit Ticking(const Value& table, double period_s = 0.01) {
-    std::string faults;
-    control = Build("control", table, {.period_s = period_s}, &faults);
-    EXPECT_NE(control, nullptr) << faults;
-    states.assign(control->layout().states.size(), 0.0);
-    outputs.assign(control->layout().outputs.size(), 0.0);
-  }
-  const std::vector<double>& Tick(std::vector<double> inputs) {
-    control->Tick({0.0, inputs, states, {}}, states, outputs);
-    return outputs;
-  }
-};
+using testing::Ticking;
 
 Value Pi(const char* anti_windup) {
   return {{"type", "pressure_pi"}, {"k_P", 0.5},          {"k_I_per_s", 2.0},          {"k_F", 1.0},

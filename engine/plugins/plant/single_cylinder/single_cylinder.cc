@@ -24,21 +24,12 @@ void SingleCylinder::Params::Check(Faults& faults) const {
 }
 
 SingleCylinder::SingleCylinder(const Params& params)
-    : p_(params), area_(0.25 * pi * params.bore_m * params.bore_m), radius_(0.5 * params.stroke_m) {
+    : p_(params), crank_{0.5 * params.stroke_m, params.rod_m}, area_(0.25 * pi * params.bore_m * params.bore_m) {
   clearance_ = area_ * params.stroke_m / (params.compression_ratio - 1.0);
-  const double usual = p_.intake_pressure_Pa * area_ * radius_;
+  const double usual = p_.intake_pressure_Pa * area_ * crank_.radius;
   layout_.inputs = {{"angle", "rad", "angle of the crankshaft", 1.0}, {"speed", "rad/s", "its speed", 100.0}};
   layout_.outputs = {{"torque", "N m", "torque on the crankshaft; accelerates when positive", usual},
                      {"pressure", "Pa", "pressure in the cylinder", p_.intake_pressure_Pa}};
-}
-
-SingleCylinder::Travel SingleCylinder::TravelAt(double phi) const {
-  const double sine = std::sin(phi), cosine = std::cos(phi);
-  const double root = std::sqrt(p_.rod_m * p_.rod_m - radius_ * radius_ * sine * sine);
-  // root' = -r^2 sin cos / root
-  const double lean = radius_ * radius_ * sine * cosine / root;
-  return {radius_ * (1.0 - cosine) + p_.rod_m - root, radius_ * sine + lean,
-          radius_ * cosine + (radius_ * radius_ * (cosine * cosine - sine * sine) + lean * lean) / root};
 }
 
 double SingleCylinder::Pressure(double phi, double s) const {
@@ -55,7 +46,7 @@ double SingleCylinder::Pressure(double phi, double s) const {
 
 void SingleCylinder::Output(const View& view, std::span<double> outputs) const {
   const double phi = view.inputs[0] + p_.start_angle_rad, w = view.inputs[1];
-  const Travel travel = TravelAt(phi);
+  const mechanics::SliderCrank::Travel travel = crank_.At(phi);
   const double pressure = Pressure(phi, travel.s);
   outputs[0] = (pressure - p_.crankcase_pressure_Pa) * area_ * travel.first -
                p_.oscillating_mass_kg * travel.first * travel.second * w * w -

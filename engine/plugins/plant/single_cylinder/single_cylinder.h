@@ -12,6 +12,7 @@
 // out: it belongs to the inertia of the crankshaft, whose mean the line has already.
 #pragma once
 
+#include "mechanics/slider_crank.h"
 #include "model/registry.h"
 
 namespace dynoproof {
@@ -52,14 +53,11 @@ class SingleCylinder : public Component {
 
  private:
   /// Travel s and its first two derivatives by the crank angle.
-  struct Travel {
-    double s, first, second;
-  };
-  Travel TravelAt(double phi) const;
   double Pressure(double phi, double s) const;
 
   Params p_;
-  double area_, radius_, clearance_;  // A, r, V_c
+  mechanics::SliderCrank crank_;
+  double area_, clearance_;  // A, V_c
 };
 
 }  // namespace dynoproof

@@ -1,0 +1,41 @@
+// The hardware-in-the-loop engine of pressure/hil_load_step in `realtime`: one iteration is one 100 us step, with the
+// controls, the synthetic single-cylinder engine and sampling, all crank angles in turn. The budget of the issue is 20
+// us.
+#include <benchmark/benchmark.h>
+
+#include "bench/clock.h"
+#include "experiment/prepare.h"
+#include "sim/simulate.h"
+
+namespace dynoproof {
+namespace {
+
+void EngineStep(benchmark::State& state, std::vector<std::string> overrides) {
+  Registry registry;
+  RegisterBuiltIns(registry);
+  Diagnostics diagnostics;
+  overrides.emplace_back("check=[]");
+  const auto prepared = Prepare(DYNOPROOF_SCENARIOS "/pressure/hil_load_step.toml",
+                                {std::move(overrides), "realtime", nullptr}, registry, diagnostics);
+  if (prepared == nullptr) return state.SkipWithError(diagnostics.Format().c_str());
+  const auto solver = MakeRealtimeSolver(*prepared->rig);
+  if (!solver.ok()) return state.SkipWithError(solver.failure().ToString().c_str());
+  Simulation simulation(*prepared->rig, **solver);
+  Status failed = simulation.Start();
+  for (int i = 0; i < 2000 && !failed; ++i) {  // all cylinders have fired
+    failed = simulation.Tick();
+    if (!failed) failed = simulation.Integrate();
+  }
+  for (auto _ : state) {
+    failed = simulation.Tick();
+    if (!failed) failed = simulation.Integrate();
+    if (failed) return state.SkipWithError(failed->ToString().c_str());
+  }
+  NoteClock(state);
+}
+
+BENCHMARK_CAPTURE(EngineStep, as_shipped, {});
+BENCHMARK_CAPTURE(EngineStep, two_substeps, {"run.realtime.substeps=2"});
+
+}  // namespace
+}  // namespace dynoproof

@@ -1,0 +1,163 @@
+// Plant `engine_bank`: gas side of one bank of a multi-cylinder engine with two-stage turbocharging, thesis Sec. 6.1.3,
+// (6.1): compressors and coolers, receiver with blow-off valve, cylinders, exhaust pipe, turbines.
+//
+//   ambient > C_lp > cooler > [between] > C_hp > cooler > [receiver] > cylinders > [exhaust] > T_hp > [middle] > T_lp
+//   > ambient, [receiver] > blow-off valve > ambient
+//
+// States: masses of air and exhaust gas and internal energy of each volume and cylinder (mechanics/gas_exchange.h),
+// kinetic energy of both rotors (power balance), what crossed the border, what was trapped when an intake last closed.
+// Combustion is not modelled: as cylinder i passes the opening of its exhaust valves it takes the pressure `p_evo` that
+// was measured (Fig. 6.3), its air and the fuel become exhaust gas. That, and what is trapped, is noticed when an
+// interval of the run ends (guard -1), a tick late at most; the pressure is carried on to there by p V^chi = const.
+//
+// Inputs angle [rad], speed [rad/s] of the crankshaft, p_evo [Pa], fuel [kg per cycle and cylinder], blow_off [%].
+// Outputs below. `torque` is that of the gas against ambient pressure while a valve is open, of all banks; the work of
+// the closed part is measured and enters the power train. Balances: what is there less what was and crossed, over all
+// that came in.
+#pragma once
+
+#include "mechanics/gas_exchange.h"
+#include "mechanics/gas_flow.h"
+#include "mechanics/turbocharger.h"
+#include "model/registry.h"
+#include "plugins/plant/engine_bank/geometry.h"
+
+namespace dynoproof {
+
+class EngineBank : public Component {
+ public:
+  struct Valves {
+    int count = 2;
+    double diameter_m = 0.0, lift_m = 0.0, discharge = 0.65, opens_deg = 0.0, closes_deg = 0.0;
+    void Visit(auto& v) {
+      v.Optional("count", count, Between(1, 4), "valves of a cylinder");
+      v.Required("diameter_m", diameter_m, Positive(), "diameter of the discs");
+      v.Required("lift_m", lift_m, Positive(), "largest lift");
+      v.Optional("discharge", discharge, Between(0.0, 1.0), "discharge coefficient of the curtain area");
+      v.Required("opens_deg", opens_deg, Between(-360.0, 720.0, "deg"),
+                 "crank angle; 0: top dead centre, gas exchange");
+      v.Required("closes_deg", closes_deg, Between(-360.0, 1080.0, "deg"), "crank angle");
+    }
+    void Check(Faults& faults) const;
+    mechanics::ValveTrain Train() const;
+  };
+  struct Volume {
+    double volume_m3 = 0.0, start_pressure_Pa = 101300.0, start_theta_K = 300.0;
+    void Visit(auto& v) {
+      v.Required("volume_m3", volume_m3, Positive(), "volume");
+      v.Optional("start_pressure_Pa", start_pressure_Pa, Positive(), "pressure at t = 0");
+      v.Optional("start_theta_K", start_theta_K, Positive(), "temperature at t = 0");
+    }
+  };
+  struct Turbocharger {
+    double radius_m = 0.0, flow_max = 0.14, head_max = 0.7, compressor_efficiency = 0.8, turbine_area_m2 = 0.0,
+           turbine_efficiency = 0.8, mechanical_efficiency = 0.97, inertia_kg_m2 = 0.0, start_speed_rad_per_s = 0.0,
+           cooler_effectiveness = 0.9;
+    void Visit(auto& v) {
+      v.Required("radius_m", radius_m, Positive(), "radius of the compressor's wheel");
+      v.Optional("flow_max", flow_max, Positive("1"), "flow coefficient without head");
+      v.Optional("head_max", head_max, Positive("1"), "head coefficient without flow");
+      v.Optional("compressor_efficiency", compressor_efficiency, Between(0.1, 1.0), "isentropic efficiency");
+      v.Required("turbine_area_m2", turbine_area_m2, Positive(), "effective area of the turbine");
+      v.Optional("turbine_efficiency", turbine_efficiency, Between(0.1, 1.0), "isentropic efficiency");
+      v.Optional("mechanical_efficiency", mechanical_efficiency, Between(0.1, 1.0), "of the shaft");
+      v.Required("inertia_kg_m2", inertia_kg_m2, Positive(), "inertia of the rotor");
+      v.Optional("start_speed_rad_per_s", start_speed_rad_per_s, NonNegative(), "speed at t = 0");
+      v.Optional("cooler_effectiveness", cooler_effectiveness, Between(0.0, 1.0), "of the cooler behind it");
+    }
+  };
+  struct Params {
+    int cylinders = 10, banks = 2;
+    CylinderGeometry geometry;
+    std::vector<std::pair<std::string, Valves>> valves;
+    std::vector<std::pair<std::string, Volume>> volume;
+    std::vector<std::pair<std::string, Turbocharger>> turbocharger;
+    double blow_off_area_m2 = 0.0, wall_theta_K = 450.0, wall_factor = 1.0, coolant_theta_K = 315.0,
+           ambient_pressure_Pa = 101300.0, ambient_theta_K = 298.0, R_air_J_per_kg_K = 287.05,
+           R_exhaust_J_per_kg_K = 290.0, chi_air = 1.39, chi_exhaust = 1.33, laminar_ratio = 0.01;
+    void Visit(auto& v) {
+      v.Optional("cylinders", cylinders, Between(1, 12), "of the bank, evenly spaced");
+      v.Optional("banks", banks, Between(1, 4), "alike: `torque` counts them all, one is carried");
+      geometry.Visit(v);
+      v.Required("valves", valves, Any(), "[plant.valves.intake] and [plant.valves.exhaust]");
+      v.Required("volume", volume, Any(), "[plant.volume.between], .receiver, .exhaust and .middle");
+      v.Required("turbocharger", turbocharger, Any(), "[plant.turbocharger.low] and .high pressure");
+      v.Optional("blow_off_area_m2", blow_off_area_m2, NonNegative(), "effective area of the open blow-off valve");
+      v.Optional("wall_theta_K", wall_theta_K, Positive(), "temperature of the cylinders' walls");
+      v.Optional("wall_factor", wall_factor, NonNegative("1"), "factor on the heat transfer coefficient; 0: none");
+      v.Optional("coolant_theta_K", coolant_theta_K, Positive(), "temperature of the coolers' water");
+      v.Optional("ambient_pressure_Pa", ambient_pressure_Pa, Positive(), "pressure outside");
+      v.Optional("ambient_theta_K", ambient_theta_K, Positive(), "temperature outside");
+      v.Optional("R_air_J_per_kg_K", R_air_J_per_kg_K, Positive(), "R_1, fresh air");
+      v.Optional("R_exhaust_J_per_kg_K", R_exhaust_J_per_kg_K, Positive(), "R_2, exhaust gas");
+      v.Optional("chi_air", chi_air, Between(1.01, 1.67), "chi_1, fresh air");
+      v.Optional("chi_exhaust", chi_exhaust, Between(1.01, 1.67), "chi_2, exhaust gas");
+      v.Optional("laminar_ratio", laminar_ratio, Between(1e-6, 0.5),
+                 "flow is laminar for pressure ratios below 1 + this");
+    }
+    void Check(Faults& faults) const;
+  };
+  enum Output_ {
+    kChargePressure,
+    kChargeTheta,
+    kExhaustPressure,
+    kExhaustTheta,
+    kSpeedLow,
+    kSpeedHigh,
+    kTorque,
+    kCylinderPressure,
+    kTrappedAir,
+    kTrappedTheta,
+    kTrappedPressure,
+    kTrappedFuel,
+    kAirFlow,
+    kBlowOffFlow,
+    kMassBalance,
+    kEnergyBalance
+  };
+  static PluginInfo Info();
+  explicit EngineBank(const Params& params);
+
+  void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;
+  bool FeedsThrough(int in, int out) const override;
+  void Output(const View& view, std::span<double> outputs) const override;
+  void Derivative(const View& view, std::span<double> rates) const override;
+  void OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const override;
+
+ private:
+  /// Where a crank stands: its angle within the cycle, sine and cosine.
+  struct Crank {
+    double phi, sine, cosine;
+  };
+  static Crank CrankAt(double angle);
+  /// Of cylinder i, when the first one's is `first`.
+  Crank CrankOf(const Crank& first, int i) const {
+    const Crank& by = offset_[i];
+    const double phi = first.phi + by.phi;
+    return {phi < mechanics::kCycle ? phi : phi - mechanics::kCycle, first.sine * by.cosine + first.cosine * by.sine,
+            first.cosine * by.cosine - first.sine * by.sine};
+  }
+  /// Cycles that a cylinder at that angle has begun: mode 0 with opening exhaust valves, 1 with closed intake valves.
+  int CyclesBegun(double angle, int mode) const;
+  bool Closed(const Crank& crank) const;
+  double VolumeAt(double angle) const;
+  mechanics::GasState VolumeState(std::span<const double> states, int volume) const;
+  mechanics::Charge TotalOf(std::span<const double> states) const;
+  double BlowOffArea(double percent) const;
+
+  Params p_;
+  mechanics::GasPair gases_;
+  mechanics::GasState ambient_;
+  mechanics::LaminarFlowFunction psi_;
+  mechanics::SliderCrank crank_;
+  double piston_area_, clearance_, volume_m3_[4];
+  Volume start_[4];
+  mechanics::ValveTrain intake_, exhaust_;
+  double closed_begin_, closed_duration_;  // part of the cycle with all valves closed
+  std::vector<Crank> offset_;              // of the cylinders to the first
+  Turbocharger charger_[2];
+  mechanics::Compressor compressor_[2];
+  mechanics::Turbine turbine_[2];
+};
+
+}  // namespace dynoproof
