@@ -32,13 +32,6 @@ int Diagnose(const DiagnoseArguments& arguments) {
                    *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   Complain("note: diagnose is under construction; how far its verdicts can be trusted: engine/diagnosis/README.md\n");
-  if (measured->plan.root.Find("prediction_window_s") != nullptr) {
-    Complain(
-        fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
-                    "state (prediction_window_s) is not supported yet; a free run would give a wrong cause\n",
-                    measured->file));
-    return kUsage;
-  }
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
       if (!record.outputs.empty()) continue;

@@ -33,9 +33,6 @@ int Identify(const IdentifyArguments& arguments) {
       diagnostics.Error({"--free"}, fmt::format("\"{}\" is 0: it gives no magnitude to search around", key),
                         fmt::format("--set {}=VALUE", key));
   }
-  if (measured->plan.root.Find("prediction_window_s") != nullptr)
-    diagnostics.Error({measured->file},
-                      "a free run through a gap is chaotic: its parameters cannot be identified by it");
   if (Report(diagnostics) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
     if (!record.outputs.empty()) continue;
