@@ -100,7 +100,7 @@ void AddDiagnose(CLI::App& program, int& exit) {
   CLI::App* command =
       program.add_subcommand("diagnose", "name the cause of a difference between a scenario and measured data");
   command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5); may be given several times")
+  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5, MAT); may be given several times")
       ->required()
       ->allow_extra_args(false);
   command->add_option("--map", arguments->maps, "which column is which signal; one for all records, or one each")

@@ -274,9 +274,11 @@ Result<Samples> PredictInWindows(const Rig& rig, Solver& solver, const Observer&
       for (std::size_t j = 0; j < m && rows_of[i] >= 0; ++j)
         change[static_cast<std::size_t>(rows_of[i])] += static_cast<double>(gain[i * m + j]) * missed[j];
     }
-    Frame frame = beside.frame();
-    solver.Shift(frame, change);
-    beside.Restore(frame);
+    if (std::any_of(change.begin(), change.end(), [](double value) { return value != 0.0; })) {
+      Frame frame = beside.frame();
+      solver.Shift(frame, change);
+      beside.Restore(frame);
+    }
     if (Status failed = beside.Integrate()) return *failed;
   }
   samples.counters = solver.counters();

@@ -26,6 +26,7 @@
 #include "plugins/plant/drive_line/drive_line.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
+#include "plugins/plant/moved_body/moved_body.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
 #include "plugins/plant/volumetric_engine/volumetric_engine.h"
 #include "plugins/sensor/sampled_stages/sampled_stages.h"
@@ -128,6 +129,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<DriveLine>();
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
+  registry.Add<MovedBody>();
   registry.Add<SingleCylinder>();
   registry.Add<VolumetricEngine>();
 }
