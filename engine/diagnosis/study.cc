@@ -88,6 +88,9 @@ Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& regis
 }
 
 void Study::Observe(double window_s) {
+  // Every window starts from an estimated state: the one at the beginning of the record is forgotten. Of parts that are
+  // too short for a window too: hypotheses go from one part to another.
+  std::erase_if(doubts_, [](const Doubt& doubt) { return doubt.start; });
   for (MappedRecord& record : records_) {
     const Result<std::unique_ptr<Prepared>> prepared = Drive(plan_, record, *registry_);
     Result<Observer> observer =
@@ -99,8 +102,6 @@ void Study::Observe(double window_s) {
     observers_.push_back(std::move(*observer));
     for (auto& [name, series] : record.outputs) series = From(series, window_s);
   }
-  // Every window starts from an estimated state: the one at the beginning of the record is forgotten.
-  std::erase_if(doubts_, [](const Doubt& doubt) { return doubt.start; });
 }
 
 Plan Study::PlanOf(const Hypothesis& hypothesis) const {
