@@ -14,8 +14,8 @@
 namespace dynoproof {
 namespace {
 
-// The inputs count as known to this share of their RMS over a window: it sets how long the filter remembers. Measured
-// on diagnose/backlash with noise of 0.5 %: see engine/diagnosis/README.md.
+// The inputs count as known to this share of their RMS over a window: it sets how long the filter remembers.
+// assumed: what torque estimates of drives are good for; no other value has been tried.
 constexpr double kInputShare = 0.01;
 // What a simulation is good for: sensors without noise count as having this share of their spread.
 constexpr double kLeastNoise = 1e-4;
