@@ -79,7 +79,7 @@ int CheckData(const CheckArguments& arguments) {
 void AddCheckData(CLI::App& program, int& exit) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = program.add_subcommand("check-data", "find the faults of a record before it is compared");
-  command->add_option("record", arguments->data, "CSV or HDF5 file")->required();
+  command->add_option("record", arguments->data, "CSV, HDF5 or MAT file")->required();
   command->add_option("--map", arguments->map, "which column is which signal (TOML)");
   command->add_option("--scenario", arguments->scenario,
                       "check units, signs, delays and columns against its simulation");

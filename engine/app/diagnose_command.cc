@@ -32,13 +32,6 @@ int Diagnose(const DiagnoseArguments& arguments) {
                    *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   Complain("note: diagnose is under construction; how far its verdicts can be trusted: engine/diagnosis/README.md\n");
-  if (measured->plan.root.Find("prediction_window_s") != nullptr) {
-    Complain(
-        fmt::format("{}: motion through a gap is chaotic, and diagnosing in windows that restart from an estimated "
-                    "state (prediction_window_s) is not supported yet; a free run would give a wrong cause\n",
-                    measured->file));
-    return kUsage;
-  }
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
       if (!record.outputs.empty()) continue;
@@ -107,7 +100,7 @@ void AddDiagnose(CLI::App& program, int& exit) {
   CLI::App* command =
       program.add_subcommand("diagnose", "name the cause of a difference between a scenario and measured data");
   command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5); may be given several times")
+  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5, MAT); may be given several times")
       ->required()
       ->allow_extra_args(false);
   command->add_option("--map", arguments->maps, "which column is which signal; one for all records, or one each")

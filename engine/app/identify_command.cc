@@ -33,9 +33,6 @@ int Identify(const IdentifyArguments& arguments) {
       diagnostics.Error({"--free"}, fmt::format("\"{}\" is 0: it gives no magnitude to search around", key),
                         fmt::format("--set {}=VALUE", key));
   }
-  if (measured->plan.root.Find("prediction_window_s") != nullptr)
-    diagnostics.Error({measured->file},
-                      "a free run through a gap is chaotic: its parameters cannot be identified by it");
   if (Report(diagnostics) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
     if (!record.outputs.empty()) continue;
@@ -64,7 +61,7 @@ void AddIdentify(CLI::App& program, int& exit) {
   auto arguments = std::make_shared<IdentifyArguments>();
   CLI::App* command = program.add_subcommand("identify", "fit numbers of a scenario to records, by the free-run error");
   command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--data", arguments->data, "record (CSV, HDF5); may be given several times")
+  command->add_option("--data", arguments->data, "record (CSV, HDF5, MAT); may be given several times")
       ->required()
       ->allow_extra_args(false);
   command->add_option("--map", arguments->maps, "which column is which signal; one for all, or one each")

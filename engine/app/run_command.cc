@@ -155,7 +155,7 @@ void AddRun(CLI::App& program, int& exit) {
   command->add_option("--markdown", arguments->markdown, "write a Markdown summary");
   command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
   command->add_option("--data", arguments->data,
-                      "drive the inputs with this record (CSV, HDF5) and compare its outputs");
+                      "drive the inputs with this record (CSV, HDF5, MAT) and compare its outputs");
   command
       ->add_option("--today", arguments->today,
                    "2026-01-31: decide on the accepted gaps of [record] as on that day (default: the clock's)")

@@ -159,7 +159,7 @@ Magnitudes MagnitudesOf(const Study& study) {
     if (channel.record != 0) continue;
     m.output_spread[channel.name] = channel.spread;
     const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);
-    if (channel.unit == "N m") torque = std::max(torque, rms);
+    if (channel.unit == "N m" || channel.unit == "N") torque = std::max(torque, rms);
     if (channel.unit == "rad/s") speed = std::max(speed, rms);
   }
   m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;

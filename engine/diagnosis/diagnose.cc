@@ -24,11 +24,12 @@ constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a 
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
 constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
 constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
-constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
-constexpr int kLaps = 5;             // of the race to the end
-constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
-constexpr double kBeaten = 2.0;      // times the best one's chi2, when it has found its place: no rival any more
-constexpr double kHopeless = 6.0;    // times the best one's chi2, when nothing has been linearised anew yet
+constexpr double kContender = 0.25;   // of the nominal model's excess of chi2: half of the way in RMS is still to go
+constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
+constexpr int kLaps = 5;              // of the race to the end
+constexpr double kStride = 0.1;       // of the gap to the best: less in a lap, and a rival is out
+constexpr double kBeaten = 2.0;       // times the best one's chi2, when it has found its place: no rival any more
+constexpr double kHopeless = 6.0;     // times the best one's chi2, when nothing has been linearised anew yet
 
 class Diagnosing {
  public:
@@ -466,12 +467,18 @@ class Diagnosing {
       considered.validation_nrmse = TotalNrmse(fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
       considered.why_not = WhyNot(s, fit, fits.front());
       bool within = false;  // a change no larger than the doubt about its number is none
+      bool beyond = false;  // and one that the nominal model cannot do without either, far outside the doubt, is one
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const std::optional<double> z = AsDoubt(fit, i);
-        within = within || (z && std::abs(*z) < 3.5);
+        if (!z) continue;
+        within = within || std::abs(*z) < 3.5;
+        const double without = null.hypothesis.z[i];
+        beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
+                            s.chi2_gain > 0.5 * without * without);
       }
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
-      if (s.significant && !within) standing.push_back(fit);
+      if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
+      if ((s.significant || beyond) && !within) standing.push_back(fit);
     }
     fits = std::move(standing);
     const bool rest = Above(structure);

@@ -18,6 +18,10 @@ constexpr double kStartSpeed_rad_per_s = 100.0;
 // (StartFromRecord): what is left is noise and the error of a pressure sensor, 0.1 % of 5 bar.
 constexpr double kVolumeSpread = 0.01, kPreloadSpread = 0.02, kStartPressure_Pa = 500.0;
 
+// Spring and damper of a moved body stand for whatever carries it: fitted values, no data sheet's. assumed: any size is
+// as good as another beside an effect that takes its share.
+constexpr double kFittedSpread = 1.0;
+
 bool IsNumber(const Value* value) { return value != nullptr && value->is_number() && value->number() != 0.0; }
 
 std::vector<Doubt> PressureDoubts(const Plan& plan) {
@@ -44,6 +48,12 @@ std::vector<Doubt> DoubtsOf(const Plan& plan) {
   const Value* type = plan.root.FindPath("plant.type");
   const std::string plant = type != nullptr && type->is_string() ? type->string() : "";
   if (plant == "charge_air" || plant == "fuel_gas") return PressureDoubts(plan);
+  if (plant == "moved_body") {
+    for (const char* path : {"plant.stiffness_N_per_m", "plant.damping_Ns_per_m"}) {
+      if (IsNumber(plan.root.FindPath(path))) doubts.push_back({path, true, kFittedSpread, false, "", "", false});
+    }
+    return doubts;
+  }
   if (plant != "drive_line") return doubts;
   const auto relative = [&](const std::string& path, double spread, const char* effect, const std::string& at) {
     if (IsNumber(plan.root.FindPath(path))) doubts.push_back({path, true, spread, false, effect, at, false});

@@ -26,6 +26,18 @@ void CutRecord(MappedRecord& record, double until) {
   }
 }
 
+/// A plan driven by a record.
+Result<std::unique_ptr<Prepared>> Drive(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  PrepareOptions options;
+  options.solver = "realtime";
+  options.data = &record;
+  Diagnostics diagnostics;
+  std::unique_ptr<Prepared> prepared = Prepare(plan, options, registry, diagnostics);
+  if (prepared != nullptr) return prepared;
+  return Failure{
+      diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message, plan.id, {}, 2};
+}
+
 /// The simulated output at the measured time stamps; between ticks the straight line.
 void SampleInto(const Samples& samples, const std::vector<double>& simulated, const std::vector<double>& time,
                 double period_s, Eigen::Ref<Eigen::VectorXd> into) {
@@ -45,14 +57,17 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until)
     : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)) {
   if (!records_.empty()) StartFromRecord(records_.front(), plan_);
+  for (MappedRecord& record : records_) {
+    if (until < 1.0) CutRecord(record, until);
+  }
   doubts_ = DoubtsOf(plan_);
+  if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);
   Eigen::Index rows = 0;
   const auto text = [&](const std::string& output, const char* key) {
     const Value* value = plan_.root.FindPath("output." + output + "." + key);
     return value != nullptr && value->is_string() ? value->string() : std::string("1");
   };
   for (std::size_t r = 0; r < records_.size(); ++r) {
-    if (until < 1.0) CutRecord(records_[r], until);
     for (const auto& [name, series] : records_[r].outputs) {
       const Value* nominal = plan_.root.FindPath("output." + name + ".nominal");
       channels_.push_back({r, name, text(name, "unit"),
@@ -72,6 +87,23 @@ Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& regis
   }
 }
 
+void Study::Observe(double window_s) {
+  // Every window starts from an estimated state: the one at the beginning of the record is forgotten. Of parts that are
+  // too short for a window too: hypotheses go from one part to another.
+  std::erase_if(doubts_, [](const Doubt& doubt) { return doubt.start; });
+  for (MappedRecord& record : records_) {
+    const Result<std::unique_ptr<Prepared>> prepared = Drive(plan_, record, *registry_);
+    Result<Observer> observer =
+        prepared.ok() ? MakeObserver(*(*prepared)->rig, record, window_s) : Result<Observer>(prepared.failure());
+    if (!observer.ok()) {
+      unobserved_ = observer.failure();
+      return;
+    }
+    observers_.push_back(std::move(*observer));
+    for (auto& [name, series] : record.outputs) series = From(series, window_s);
+  }
+}
+
 Plan Study::PlanOf(const Hypothesis& hypothesis) const {
   Plan plan = plan_;
   ApplyDoubts(doubts_, hypothesis.z, plan);
@@ -82,23 +114,16 @@ Plan Study::PlanOf(const Hypothesis& hypothesis) const {
 Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }
 
 Result<Eigen::VectorXd> Study::PredictPlan(const Plan& plan) const {
+  if (unobserved_) return *unobserved_;
   Eigen::VectorXd predicted(measured_.size());
   for (std::size_t r = 0; r < records_.size(); ++r) {
-    PrepareOptions options;
-    options.solver = "realtime";
-    options.data = &records_[r];
-    Diagnostics diagnostics;
-    const std::unique_ptr<Prepared> prepared = Prepare(plan, options, *registry_, diagnostics);
-    if (prepared == nullptr) {
-      return Failure{diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message,
-                     plan.id,
-                     {},
-                     2};
-    }
-    const Rig& rig = *prepared->rig;
+    const Result<std::unique_ptr<Prepared>> prepared = Drive(plan, records_[r], *registry_);
+    if (!prepared.ok()) return prepared.failure();
+    const Rig& rig = *(*prepared)->rig;
     const Result<std::unique_ptr<Solver>> solver = MakeSolver("realtime", rig);
     if (!solver.ok()) return solver.failure();
-    const Result<Samples> samples = Simulate(rig, **solver);
+    const Result<Samples> samples =
+        observers_.empty() ? Simulate(rig, **solver) : PredictInWindows(rig, **solver, observers_[r]);
     if (!samples.ok()) return samples.failure();
     for (const Channel& channel : channels_) {
       if (channel.record != r) continue;

@@ -9,6 +9,7 @@
 
 #include "base/status.h"
 #include "diagnosis/doubt.h"
+#include "experiment/prediction_windows.h"
 #include "experiment/records.h"
 #include "model/registry.h"
 
@@ -45,6 +46,7 @@ class Study {
 
   const Plan& plan() const { return plan_; }
   const Registry& registry() const { return *registry_; }
+  /// Of outputs the rows that are compared.
   const std::vector<MappedRecord>& records() const { return records_; }
   const std::vector<Doubt>& doubts() const { return doubts_; }
   const std::vector<Channel>& channels() const { return channels_; }
@@ -54,15 +56,20 @@ class Study {
 
   /// The plan of a hypothesis: doubts first, then the effects in order.
   Plan PlanOf(const Hypothesis& hypothesis) const;
-  /// What that plan predicts for every row (free run from each record's start). Fails where a run breaks.
+  /// What that plan predicts for every row: a free run from each record's start, or in the windows of the plan's
+  /// prediction_window_s, whose first is then no part of the vector. Fails where a run breaks.
   Result<Eigen::VectorXd> Predict(const Hypothesis& hypothesis) const;
   Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
   Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
 
  private:
+  void Observe(double window_s);
+
   Plan plan_;
   const Registry* registry_;
   std::vector<MappedRecord> records_;
+  std::vector<Observer> observers_;  // by record, where predictions go in windows
+  Status unobserved_;                // why there are none
   std::vector<Doubt> doubts_;
   std::vector<Channel> channels_;
   Eigen::VectorXd measured_;

@@ -34,12 +34,23 @@ Series OnTicks(const Series& series, double period_s) {
   return {std::make_shared<const std::vector<double>>(std::move(ticks)), series.values};
 }
 
-/// Drives the inputs of the record by it, for as long as it lasts.
+/// The series half a period earlier: a source that interpolates then holds over each period the value of its middle,
+/// without the lag of half a period that holding the value of its beginning has.
+Series Centred(const Series& series, double period_s) {
+  std::vector<double> time = *series.time;
+  for (double& t : time) t -= 0.5 * period_s;
+  return {std::make_shared<const std::vector<double>>(std::move(time)), series.values};
+}
+
+/// Drives the inputs of the record by it, for as long as it lasts. They are held between samples, unless the scenario
+/// replays them interpolated: sampled signals that were never held ones.
 void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
   for (const auto& [name, series] : data.inputs) {
     Value& input = plan.root["input"][name];
     input.Erase("from");
-    input["source"] = Value{{"type", "replay"}, {"record", name}};
+    const Value* own = input.FindPath("source.interpolation");
+    Value interpolation = own != nullptr ? *own : Value("hold");
+    input["source"] = Value{{"type", "replay"}, {"record", name}, {"interpolation", std::move(interpolation)}};
   }
   Value& run = plan.root["run"];
   const Value* written = run.Find("period_s");
@@ -53,7 +64,11 @@ void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
     run["period_s"] = Value(period_s);
   }
   run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - 1e-6)) * period_s);
-  for (const auto& [name, series] : data.inputs) records[name] = OnTicks(series, period_s);
+  for (const auto& [name, series] : data.inputs) {
+    const Value* interpolation = plan.root.FindPath("input." + name + ".source.interpolation");
+    const bool linear = interpolation->is_string() && interpolation->string() == "linear";
+    records[name] = linear ? Centred(series, period_s) : OnTicks(series, period_s);
+  }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "model/params.h"
 #include "scenario/load.h"
 #include "trace/csv.h"
+#include "trace/mat.h"
 
 namespace dynoproof {
 namespace {
@@ -221,6 +222,13 @@ class Mapper {
         std::find_if(signals.begin(), signals.end(), [&](const SignalName& s) { return s.name == name; });
     const std::optional<std::size_t> index = record_.Find(map.column);
     if (!index) {
+      const auto left_out = std::find_if(record_.left_out.begin(), record_.left_out.end(),
+                                         [&](const auto& variable) { return variable.first == map.column; });
+      if (left_out != record_.left_out.end()) {
+        diagnostics_.Error(map.where, fmt::format("{}: variable \"{}\" is no column", record_.source, map.column),
+                           fmt::format("it {}", left_out->second));
+        return;
+      }
       const std::vector<std::string> names = record_.Names();
       const std::optional<std::string> near = Closest(map.column, names);
       diagnostics_.Error(
@@ -297,6 +305,7 @@ Result<trace::Record> ReadRecord(const std::string& file) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".h5" || ending == ".hdf5") return trace::ReadHdf5Record(file);
+  if (ending == ".mat") return trace::ReadMat(file);
   return trace::ReadCsv(file);
 }
 

@@ -21,7 +21,7 @@ struct MappedRecord {
   double end_s = 0.0;                             // time of the last sample; the first is at 0
 };
 
-/// Reads CSV or HDF5 by the file's ending.
+/// Reads CSV, HDF5 or MAT by the file's ending.
 Result<trace::Record> ReadRecord(const std::string& file);
 
 /// What a record may be mapped to: name and unit; an empty unit takes the column as it is.

@@ -10,6 +10,7 @@
 #include "experiment/build_info.h"
 #include "experiment/golden.h"
 #include "experiment/measured_record.h"
+#include "experiment/prediction_windows.h"
 #include "scenario/load.h"
 #include "score/hull.h"
 #include "sim/solver.h"
@@ -64,6 +65,30 @@ Status AddVariants(const Prepared& prepared, trace::Trace& trace) {
     }
   }
   return {};
+}
+
+/// The comparison with a record in windows (prediction_window_s): what was predicted, and the record's rows from the
+/// second window on. The trace gets the predictions as OUTPUT_windows.
+struct Windowed {
+  Samples samples;
+  MappedRecord data;
+};
+Result<Windowed> CompareInWindows(const Rig& rig, const MappedRecord& data, double window_s, trace::Trace& trace) {
+  const Result<Observer> observer = MakeObserver(rig, data, window_s);
+  if (!observer.ok()) return observer.failure();
+  const Result<std::unique_ptr<Solver>> solver = MakeSolver("realtime", rig);
+  if (!solver.ok()) return solver.failure();
+  Result<Samples> samples = PredictInWindows(rig, **solver, *observer);
+  if (!samples.ok()) return samples.failure();
+  Windowed windowed{std::move(*samples), data};
+  for (auto& [name, series] : windowed.data.outputs) {
+    series = From(series, window_s);
+    const OutputLine& line = rig.outputs[static_cast<std::size_t>(FindOutput(rig, name))];
+    trace.signals.push_back({name + "_windows", line.unit, line.description + ", predicted in windows", line.nominal,
+                             trace::Interpolation::kLinear,
+                             windowed.samples.outputs[static_cast<std::size_t>(FindOutput(rig, name))]});
+  }
+  return windowed;
 }
 
 }  // namespace
@@ -132,8 +157,19 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.verdict = score::Combine(result.checks);
     return result;
   }
-  const Result<Course> course = Play(prepared, options.progress, options.seen != nullptr);
+  Result<Course> course = Play(prepared, options.progress, options.seen != nullptr);
   if (!course.ok()) return broken(course.failure());
+  const MappedRecord* data = options.data != nullptr ? options.data : prepared.data.get();
+  const std::optional<double> window_s = PredictionWindow(prepared.plan);
+  std::optional<Windowed> windowed;
+  if (data != nullptr && window_s && !data->outputs.empty()) {
+    Result<Windowed> compared = CompareInWindows(*prepared.rig, *data, *window_s, course->trace);
+    if (!compared.ok()) return broken(compared.failure());
+    windowed = std::move(*compared);
+    result.notes.push_back(fmt::format(
+        "compared in windows of {} s, each from a state that the record before it tells (OUTPUT_windows of the trace)",
+        *window_s));
+  }
   result.counters = course->samples.counters;
   const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
   if (!options.out.empty()) {
@@ -154,13 +190,13 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.checks.insert(result.checks.end(), made.begin(), made.end());
   }
   result.figures = std::move(context.figures);
-  const MappedRecord* const data = options.data != nullptr ? options.data : prepared.data.get();
   if (data != nullptr) {
     result.notes.insert(result.notes.end(), data->notes.begin(), data->notes.end());
     const RecordSettings settings = prepared.record.value_or(RecordSettings());
     const std::string today = options.today.empty() ? Today() : options.today;
     std::vector<score::Check> compared =
-        CompareWithRecord(*prepared.rig, course->samples, *data, settings, today, result.figures);
+        CompareWithRecord(*prepared.rig, windowed ? windowed->samples : course->samples,
+                          windowed ? windowed->data : *data, settings, today, result.figures);
     if (compared.empty()) result.notes.push_back("the record has no output of the scenario: nothing was compared");
     if (options.data != nullptr) result.checks.clear();
     result.checks.insert(result.checks.end(), compared.begin(), compared.end());

@@ -29,6 +29,7 @@
 #include "plugins/plant/fired_cylinder/fired_cylinder.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
+#include "plugins/plant/moved_body/moved_body.h"
 #include "plugins/plant/power_train/power_train.h"
 #include "plugins/plant/single_cylinder/single_cylinder.h"
 #include "plugins/plant/volumetric_engine/volumetric_engine.h"
@@ -138,6 +139,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<FiredCylinder>();
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
+  registry.Add<MovedBody>();
   registry.Add<PowerTrain>();
   registry.Add<ResistorLoad>();
   registry.Add<SingleCylinder>();

@@ -72,6 +72,18 @@ void LinearGroup::FromStates(const std::vector<double>& states, Eigen::VectorXd&
   }
 }
 
+void LinearGroup::ToStates(const Eigen::VectorXd& x, const Eigen::VectorXd& p, std::vector<double>& states) const {
+  for (const Member& member : members) {
+    Eigen::Map<Eigen::VectorXd> s(states.data() + member.first_state, member.state_from_x.rows());
+    s = member.state_from_x * x.segment(member.first_x, member.state_from_x.cols());
+    const Eigen::Index integrators = member.state_from_p.cols();
+    if (integrators == 0) continue;
+    s += member.state_from_p * (member.first_p >= 0
+                                    ? p.segment(member.first_p, integrators)
+                                    : x.segment(member.first_x + member.state_from_x.cols(), integrators));
+  }
+}
+
 namespace {
 
 /// Joins the parts. When `promote` the integrators become ordinary states: needed where somebody reacts to an angle.
@@ -83,7 +95,8 @@ LinearGroup Join(const Rig& rig, const Roles& roles, bool promote, bool& reacts_
     const Block& block = rig.blocks[roles.linear[k]];
     const LinearPart& part = *block.component->linear_part();
     const int integrators = part.system.integrators();
-    group.members.push_back({block.first_state, n, promote ? -1 : q, part.x_from_state, part.p_from_state});
+    group.members.push_back({block.first_state, n, promote ? -1 : q, part.x_from_state, part.p_from_state,
+                             part.state_from_x, part.state_from_p});
     n += part.system.states() + (promote ? integrators : 0);
     q += promote ? 0 : integrators;
     channels += static_cast<int>(part.channels.size());

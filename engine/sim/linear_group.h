@@ -31,13 +31,14 @@ struct LinearGroup {
     bool switches;      // has modes and does not stick
   };
   std::vector<JoinedChannel> channels;
-  /// x and p for the states of a frame.
+  /// x and p for the states of a frame; and back, leaving the states of other blocks as they are.
   void FromStates(const std::vector<double>& states, Eigen::VectorXd& x, Eigen::VectorXd& p) const;
+  void ToStates(const Eigen::VectorXd& x, const Eigen::VectorXd& p, std::vector<double>& states) const;
 
   struct Member {
     int first_state;       // in the frame
     int first_x, first_p;  // first_p < 0: its integrators became states, behind its own
-    Eigen::MatrixXd x_from_state, p_from_state;
+    Eigen::MatrixXd x_from_state, p_from_state, state_from_x, state_from_p;
   };
   std::vector<Member> members;
 };

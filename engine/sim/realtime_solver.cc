@@ -49,21 +49,26 @@ class RealtimeSolver : public Solver {
     group_.FromStates(frame.states, x, p);
     frame.solver.assign(form_.state_size() + group_.channels.size() + y0_.size(), 0.0);
     form_.SetState(x, p, State(frame));
-    for (const int block : roles_.nonlinear) EvaluateAt(frame, block, Seconds(frame.time));
-    ReadInputs(frame, v0_);
-    Outputs(frame, v0_, y0_);
-    std::copy(y0_.begin(), y0_.end(), Answers(frame));
-    for (std::size_t e = 0; e < group_.channels.size(); ++e) {
-      if (!Law_(e).sticks()) {
-        const LawView view{Seconds(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
-                           OwnStates(frame, e), OwnModes(frame, e)};
-        Torque(frame)[e] = BeyondLinear(e, view);
-      } else if (const double rate = Rate(y0_, e); rate != 0.0) {
-        Torque(frame)[e] = Law_(e).SlipTorque({Seconds(frame.time), Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}},
-                                              rate > 0.0 ? 1 : -1);
-      }
-    }
+    shift_.assign(form_.state_size(), 0.0);
+    Renew(frame);
     return {};
+  }
+
+  std::vector<double> States(const Frame& frame) const override {
+    std::vector<double> states = frame.states;
+    Eigen::VectorXd x, p;
+    form_.GetState({frame.solver.data(), static_cast<std::size_t>(form_.state_size())}, x, p);
+    group_.ToStates(x, p, states);
+    return states;
+  }
+
+  void Shift(Frame& frame, const std::vector<double>& change) override {
+    Eigen::VectorXd x, p;
+    group_.FromStates(change, x, p);
+    form_.SetState(x, p, shift_);
+    for (std::size_t i = 0; i < shift_.size(); ++i) frame.solver[i] += shift_[i];
+    for (std::size_t i = 0; i < change.size(); ++i) frame.states[i] += change[i];
+    Renew(frame);
   }
 
   Status Advance(Frame& frame, int index) override {
@@ -168,6 +173,24 @@ class RealtimeSolver : public Solver {
         return slot >= other.first_output && slot < other.first_output + other.outputs();
       });
     });
+  }
+
+  /// What follows from new states: the answers of the linear part and the torques of the laws.
+  void Renew(Frame& frame) {
+    for (const int block : roles_.nonlinear) EvaluateAt(frame, block, Seconds(frame.time));
+    ReadInputs(frame, v0_);
+    Outputs(frame, v0_, y0_);
+    std::copy(y0_.begin(), y0_.end(), Answers(frame));
+    for (std::size_t e = 0; e < group_.channels.size(); ++e) {
+      if (!Law_(e).sticks()) {
+        const LawView view{Seconds(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
+                           OwnStates(frame, e), OwnModes(frame, e)};
+        Torque(frame)[e] = BeyondLinear(e, view);
+      } else if (const double rate = Rate(y0_, e); rate != 0.0) {
+        Torque(frame)[e] = Law_(e).SlipTorque({Seconds(frame.time), Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}},
+                                              rate > 0.0 ? 1 : -1);
+      }
+    }
   }
 
   const Law& Law_(std::size_t e) const { return *group_.channels[e].channel.law; }
@@ -539,6 +562,7 @@ class RealtimeSolver : public Solver {
   std::string summary_;
   std::int64_t periods_ = 0, substeps_ = 0;
   // Scratch memory of a step: inputs at its beginning, held and straight parts of their course; outputs.
+  mechanics::AlignedVector shift_;
   std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_, ends_, begin_guards_;
   std::vector<int> modes_;
   std::vector<double> stages_[4];

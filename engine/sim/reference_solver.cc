@@ -80,6 +80,13 @@ class ReferenceSolver : public Solver {
     return {};
   }
 
+  std::vector<double> States(const Frame& frame) const override { return frame.states; }
+
+  void Shift(Frame& frame, const std::vector<double>& change) override {
+    for (std::size_t i = 0; i < change.size(); ++i) frame.states[i] += change[i];
+    RememberGuards(frame, Seconds(frame.time));
+  }
+
   void Evaluate(Frame& frame, double time_s) override {
     EvaluateBlocks(rig_, time_s, frame.states, frame.modes, frame.signals);
   }

@@ -22,6 +22,10 @@ class Solver {
   virtual Status Resume(Frame& frame) = 0;
   /// Carries the states over interval `index` of the period that begins at frame.time.
   virtual Status Advance(Frame& frame, int index) = 0;
+  /// Between ticks: the states as Frame::states of the other solver would have them, and `change` added to them; modes
+  /// stay. For who estimates the state of a machine from its measured outputs.
+  virtual std::vector<double> States(const Frame& frame) const = 0;
+  virtual void Shift(Frame& frame, const std::vector<double>& change) = 0;
   /// Writes every continuous signal at the present states, for the instant `time_s`.
   virtual void Evaluate(Frame& frame, double time_s) = 0;
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/status.h"
@@ -37,6 +38,8 @@ struct Record {
   std::optional<std::size_t> time;    // the column `t` or `time`, if there is one
   std::vector<NonFinite> non_finite;  // at most one entry a column; empty means every value is finite
   std::vector<std::string> notes;     // what a reader should know, one sentence each
+  std::vector<std::pair<std::string, std::string>> left_out =
+      {};  // variables that are no columns: name, "is a cell ..."
 
   /// The column of this name, or nothing.
   std::optional<std::size_t> Find(std::string_view name) const;

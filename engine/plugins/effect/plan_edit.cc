@@ -36,6 +36,9 @@ std::vector<std::string> NamesIn(const Plan& plan, std::string_view section) {
 
 std::vector<Place> BodyPlaces(const Plan& plan) {
   std::vector<Place> places;
+  const Value *type = plan.root.FindPath("plant.type"), *body = plan.root.FindPath("plant.body");
+  if (type != nullptr && type->is_string() && type->string() == "moved_body")
+    places.push_back({"inertia", body != nullptr && body->is_string() ? body->string() : "body", ""});
   for (const char* kind : {"inertia", "rotor"}) {
     for (const std::string& name : NamesIn(plan, kind)) places.push_back({kind, name, ""});
   }
@@ -82,7 +85,9 @@ std::string FreeName(const std::string& wish, const std::vector<std::string>& ta
 std::vector<std::string> AllNames(const Plan& plan) {
   std::vector<std::string> all;
   for (const char* section : kSections) {
-    for (std::string& name : NamesIn(plan, section)) all.push_back(std::move(name));
+    const Value* table = plan.root.FindPath(std::string("plant.") + section);
+    if (table == nullptr || !table->is_table()) continue;
+    for (std::string& name : KeysOf(*table)) all.push_back(std::move(name));
   }
   return all;
 }

@@ -17,7 +17,7 @@ const Value* Section(const Plan& plan, std::string_view name);
 /// The keys of that section.
 std::vector<std::string> NamesIn(const Plan& plan, std::string_view section);
 
-/// inertia:NAME for each lumped inertia, then rotor:NAME for each soft rotor.
+/// inertia:NAME for each lumped inertia and for a moved body, then rotor:NAME for each soft rotor.
 std::vector<Place> BodyPlaces(const Plan& plan);
 
 /// A list that may stand as a single item without brackets.
