@@ -15,25 +15,35 @@ namespace {
 using ::testing::HasSubstr;
 using trace::Column;
 
-/// A record of line.toml as it would be with `change`, with white noise of 1 % on the outputs.
+/// A record as it would be with `change`, with white noise of 1 % of what they swing on the outputs.
 class Measured : public ::testing::Test {
  protected:
+  /// Of line.toml.
   void Record(const std::string& change) {
-    std::vector<std::string> run = {"run", "line.toml", "--set", "run.duration_s=0.6", "--solver", "reference"};
+    std::vector<std::string> run = {"line.toml", "--set", "run.duration_s=0.6"};
     if (!change.empty()) run.insert(run.end(), {"--set", change});
+    Record(run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"});
+  }
+  void Record(std::vector<std::string> run, const std::string& file, const std::vector<std::string>& inputs,
+              const std::vector<std::string>& outputs) {
+    run.insert(run.begin(), "run");
+    run.insert(run.end(), {"--solver", "reference"});
     bench_.Call(run);
-    const Result<trace::Trace> trace = trace::ReadTrace(bench_ / "out/line.h5");
+    const Result<trace::Trace> trace = trace::ReadTrace(bench_ / file);
     ASSERT_TRUE(trace.ok());
     columns_ = {{.name = "t", .unit = "s", .values = trace->time}};
-    std::uint64_t stream = 1;
-    for (const char* name : {"T_airgap", "T_shaft", "omega_1"}) {
+    for (const std::string& name : inputs)
       columns_.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
-      if (stream++ == 1) continue;
-      double square = 0.0;
+    std::uint64_t stream = 2;
+    for (const std::string& name : outputs) {
+      columns_.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
       std::vector<double>& values = columns_.back().values;
-      for (const double v : values) square += v * v / static_cast<double>(values.size());
+      double mean = 0.0, square = 0.0;
+      for (const double v : values) mean += v / static_cast<double>(values.size());
+      for (const double v : values) square += (v - mean) * (v - mean) / static_cast<double>(values.size());
       for (std::size_t i = 0; i < values.size(); ++i)
         values[i] += 0.01 * std::sqrt(square) * RandomNormal(3, stream, i);
+      ++stream;
     }
     Write();
   }
@@ -71,6 +81,27 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   for (const char* text :
        {"inertia_change", "measured - simulated", "mean residual over", "What was considered", "extended"})
     EXPECT_THAT(page, HasSubstr(text));
+}
+
+TEST_F(Measured, AChangeThatTheDoubtsCouldHideIsNamedWhereItIsFarBeyondThem) {
+  Record("plant.inertia.I3=0.53");  // 6 %, where a drawing is good for 1 %
+  const nlohmann::json result = Diagnosed();
+  ASSERT_EQ(result["verdict"], "effect_found") << result.dump(1);
+  EXPECT_EQ(result["effects"][0]["name"], "inertia_change");
+  EXPECT_EQ(result["effects"][0]["at"], "inertia:I3");
+}
+
+TEST_F(Measured, AnOffsetOfTheGasPressureIsNotToldFromThePreload) {
+  Record({"diagnose/fuel_gas", "--set", "run.duration_s=8.0"}, "out/diagnose/fuel_gas.h5", {"p_mem", "q_e"}, {"p_g"});
+  for (double& p_g : columns_.back().values) p_g += 5000.0;  // 100 N on the membrane, half of the pre-load
+  Write();
+  const nlohmann::json result =
+      bench_.Json({"diagnose", "diagnose/fuel_gas", "--data", "record.csv", "--out", "found"});
+  ASSERT_EQ(result["verdict"], "ambiguous") << result.dump(1);
+  const auto set = result["ambiguous_with"][0].get<std::vector<std::string>>();
+  EXPECT_THAT(set, ::testing::IsSupersetOf({"sensor_offset@output:p_g", "nominal_value@plant.preload_N"}));
+  EXPECT_THAT(result["separating_experiment"]["text"].get<std::string>(), HasSubstr("sensor"));
+  EXPECT_EQ(Call({"validate", "found/separate.toml"}).exit, 0);
 }
 
 TEST_F(Measured, IdentifyFindsTheNumber) {
