@@ -119,6 +119,19 @@ std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan&
     }
     own->Erase("include");
   }
+  if (const Value* without = own->Find("without")) {
+    const Value::Array list = without->is_array() ? without->array() : Value::Array{*without};
+    for (const Value& item : list) {
+      if (item.is_string() && merged.Find(item.string()) != nullptr) {
+        merged.Erase(item.string());
+        continue;
+      }
+      diagnostics.Error(item.where(), "\"without\" leaves out what no included file has",
+                        "name sections of the included files, e.g. without = [\"check\"]");
+      good = false;
+    }
+    own->Erase("without");
+  }
   open.erase(canonical);
   if (!good) return std::nullopt;
   Include(merged, *own);

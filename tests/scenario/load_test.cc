@@ -82,6 +82,23 @@ TEST(Include, EffectsAndChecksAddUp) {
   EXPECT_EQ(plan->root.FindPath("check.1.kind")->string(), "y");
 }
 
+TEST(Include, LeavesOutWhatTheFileDoesNotWant) {
+  const test::TempDir dir;
+  dir.Write("_base.toml", "[[check]]\nkind = \"a\"\n[[effect]]\nname = \"e\"\n");
+  const std::string file =
+      dir.Write("case.toml", "include = \"_base.toml\"\nwithout = [\"check\"]\n[[check]]\nkind = \"b\"\n");
+  Diagnostics diagnostics;
+  const std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
+  ASSERT_TRUE(plan) << diagnostics.Format();
+  ASSERT_EQ(plan->root.Find("check")->array().size(), 1U);
+  EXPECT_EQ(plan->root.Find("check")->array()[0].Find("kind")->string(), "b");
+  EXPECT_EQ(plan->root.Find("effect")->array().size(), 1U);
+  EXPECT_EQ(plan->root.Find("without"), nullptr);
+  const std::string wrong = dir.Write("wrong.toml", "include = \"_base.toml\"\nwithout = [\"chekc\"]\n");
+  EXPECT_FALSE(LoadPlan(wrong, {}, diagnostics));
+  EXPECT_NE(diagnostics.Format().find("wrong.toml:2"), std::string::npos) << diagnostics.Format();
+}
+
 TEST(Include, IsRelativeToTheFileThatNamesIt) {
   const test::TempDir folder;
   std::filesystem::create_directories(folder / "deep/er");
