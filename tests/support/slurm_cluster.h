@@ -84,10 +84,33 @@ class SlurmCluster {
     return {{"SLURM_CONF", (folder_ / "etc/slurm.conf").string()}};
   }
 
+  /// Holds still what runs on a node (SIGSTOP) or lets it go on (SIGCONT); the numbers of the array tasks found there.
+  std::set<int> SignalTasks(int node, int signal) const {
+    std::set<int> tasks;
+    for (const Process& process : ProcessesOf("n" + std::to_string(node))) {
+      const std::string key = "SLURM_ARRAY_TASK_ID=";
+      const std::size_t at = process.environment.find(key);
+      if (::kill(process.id, signal) == 0 && at != std::string::npos)
+        tasks.insert(std::atoi(process.environment.c_str() + at + key.size()));
+    }
+    return tasks;
+  }
+
   /// Pulls the plug of a node: its daemon and all that runs there die at once.
   void Kill(int node) {
     ::kill(-nodes_[static_cast<std::size_t>(node - 1)], SIGKILL);
     SweepNode("n" + std::to_string(node));
+  }
+
+  /// Waits until the controller says of a node that it is in a state; what it says last.
+  std::string AwaitState(const std::string& node_and_state) const {
+    std::string said;
+    for (int i = 0; i < 300; ++i) {
+      said = Ask({"-h", "-N", "-o", "%N %T"}, "sinfo");
+      if (said.find(node_and_state) != std::string::npos) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return said;
   }
 
   std::string Ask(const std::vector<std::string>& arguments, const std::string& program) const {
@@ -175,21 +198,30 @@ class SlurmCluster {
     ::waitpid(process, nullptr, 0);
   }
 
+  struct Process {
+    pid_t id;
+    std::string environment;
+  };
   /// Step managers and tasks leave their daemon's session: they are found by what they inherited from this cluster.
-  void SweepNode(const std::string& node) const {
+  std::vector<Process> ProcessesOf(const std::string& node) const {
     const std::string mine = folder_.path().string();
+    std::vector<Process> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      const int process = std::atoi(entry.path().filename().c_str());
+      if (process <= 1 || process == ::getpid()) continue;
+      const std::string words = ReadBytes(entry.path() / "cmdline"), environment = ReadBytes(entry.path() / "environ");
+      const bool of_task = environment.find(mine) != std::string::npos &&
+                           environment.find("SLURMD_NODENAME=" + node + '\0') != std::string::npos;
+      const bool of_step = words.starts_with("slurmstepd") && environment.find(mine) != std::string::npos &&
+                           environment.find("SLURM_NODE_ALIASES") == std::string::npos && StepOf(entry.path(), node);
+      if (of_task || of_step) found.push_back({process, environment});
+    }
+    return found;
+  }
+  /// Kills them, and what they started meanwhile.
+  void SweepNode(const std::string& node) const {
     for (int round = 0; round < 3; ++round) {
-      for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-        const int process = std::atoi(entry.path().filename().c_str());
-        if (process <= 1 || process == ::getpid()) continue;
-        const std::string words = ReadBytes(entry.path() / "cmdline"),
-                          environment = ReadBytes(entry.path() / "environ");
-        const bool of_task = environment.find(mine) != std::string::npos &&
-                             environment.find("SLURMD_NODENAME=" + node + '\0') != std::string::npos;
-        const bool of_step = words.starts_with("slurmstepd") && environment.find(mine) != std::string::npos &&
-                             environment.find("SLURM_NODE_ALIASES") == std::string::npos && StepOf(entry.path(), node);
-        if (of_task || of_step) ::kill(process, SIGKILL);
-      }
+      for (const Process& process : ProcessesOf(node)) ::kill(process.id, SIGKILL);
     }
   }
   /// A step manager holds files of its node's spool or log open.
