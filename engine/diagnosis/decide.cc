@@ -83,14 +83,13 @@ Standing Compare(const Study& study, const Fit& nominal, const std::vector<doubl
   const double threshold = Threshold(rows, candidates);
   // A nominal model that needs its doubts far outside their spread predicts the validation parts as well as an effect
   // that says so openly; then it is enough that the effect is not worse there.
-  constexpr double kFar = 3.5;
   double farthest = 0.0;
   for (const int i : nominal.doubts.free) {
     if (study.doubts()[static_cast<std::size_t>(i)].start) continue;
     farthest = std::max(farthest, std::abs(nominal.hypothesis.z[static_cast<std::size_t>(i)]));
   }
-  const bool valid = farthest > kFar ? standing.validation_gain > -0.5 * threshold
-                                     : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
+  const bool valid = farthest > kWithinDoubt ? standing.validation_gain > -0.5 * threshold
+                                             : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
   standing.significant =
       standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold && standing.p_value < 1e-4 && valid;
   return standing;

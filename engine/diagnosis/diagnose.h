@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "base/status.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/gain.h"
+#include "diagnosis/search.h"
 #include "diagnosis/where.h"
 
 namespace dynoproof::diagnosis {
@@ -25,13 +26,6 @@ struct FoundEffect {
   std::string name, at;
   double confidence = 0.0;  // against the other candidates, from the evidence
   std::vector<FoundParameter> parameters;
-};
-struct Considered {
-  std::string name, at, why_not;
-  double validation_nrmse = 0.0;
-};
-struct SignalGain {
-  double before = 0.0, after = 0.0, lower = 0.0, upper = 0.0;  // NRMSE; interval of before - after
 };
 struct Seen {
   std::string name, at, unit;

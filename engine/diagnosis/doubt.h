@@ -22,6 +22,9 @@ struct Doubt {
   bool only_wide = false;  // free only where a hypothesis changes the structure
 };
 
+/// Spreads from the nominal value within which a number is no effect: beyond that by chance once in 2000.
+inline constexpr double kWithinDoubt = 3.5;
+
 /// Every doubtful number of the plan.
 std::vector<Doubt> DoubtsOf(const Plan& plan);
 

@@ -244,6 +244,34 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
   return model;
 }
 
+Fit FitAt(const Study& study, Hypothesis hypothesis) {
+  Fit fit;
+  fit.hypothesis = std::move(hypothesis);
+  const Result<DoubtModel> doubts = LineariseDoubts(study, fit.hypothesis, FreedomOf(study, fit.hypothesis.effects));
+  const Result<Eigen::VectorXd> predicted = study.Predict(fit.hypothesis);
+  if (!doubts.ok() || !predicted.ok()) {
+    fit.broken = (!doubts.ok() ? doubts.failure() : predicted.failure()).ToString();
+    return fit;
+  }
+  fit.doubts = *doubts;
+  fit.predicted = *predicted;
+  fit.simulations = static_cast<int>(fit.doubts.free.size()) + 2;
+  return fit;
+}
+
+Whitener WhitenerOf(const Study& study, const Fit& fit, int order) {
+  return {study.channels(), study.measured() - fit.predicted, order};
+}
+
+double PriorChi2(const Fit& fit) {
+  double chi2 = 0.0;
+  for (const int i : fit.doubts.free) {
+    const auto k = static_cast<std::size_t>(i);
+    chi2 += std::pow(fit.hypothesis.z[k] / fit.doubts.freedom[k], 2);
+  }
+  return chi2;
+}
+
 Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const {
   return Evaluate(effects, doubts, Projection(doubts, whitener_));
 }
@@ -299,11 +327,7 @@ Fit Fitter::Optimise(const std::vector<Assumed>& effects, const DoubtModel& doub
 }
 
 void Fitter::Weigh(Fit& fit) const {
-  fit.chi2 = whitener_(study_.measured() - fit.predicted).squaredNorm();
-  for (const int i : fit.doubts.free) {
-    const auto k = static_cast<std::size_t>(i);
-    fit.chi2 += std::pow(fit.hypothesis.z[k] / fit.doubts.freedom[k], 2);
-  }
+  fit.chi2 = whitener_(study_.measured() - fit.predicted).squaredNorm() + PriorChi2(fit);
   fit.log_det = Projection(fit.doubts, whitener_).log_det();
   fit.criterion = fit.chi2 + fit.log_det + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
 }

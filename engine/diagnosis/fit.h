@@ -66,6 +66,13 @@ struct Fit {
   int parameters() const;
 };
 
+/// A hypothesis as it stands, with the doubts linearised about it; not weighed yet.
+Fit FitAt(const Study& study, Hypothesis hypothesis);
+/// The noise's colour, as what a fit leaves has it; `order` 0: white.
+Whitener WhitenerOf(const Study& study, const Fit& fit, int order = Whitener::kOrder);
+/// What the doubts of a fit cost by their prior.
+double PriorChi2(const Fit& fit);
+
 class Fitter {
  public:
   Fitter(const Study& study, Whitener whitener) : study_(study), whitener_(std::move(whitener)) {}

@@ -151,6 +151,10 @@ Eigen::MatrixXd Features(const Study& study, const Channel& channel, const Eigen
 
 }  // namespace
 
+bool AnyFound(const std::vector<Structure>& structure) {
+  return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.found(); });
+}
+
 std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,
                                      const Eigen::VectorXd& predicted) {
   std::vector<Structure> found;

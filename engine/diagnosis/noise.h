@@ -57,6 +57,7 @@ struct Structure {
   /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.
   bool found() const { return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005); }
 };
+bool AnyFound(const std::vector<Structure>& structure);
 /// Regresses the one-step prediction error of every channel on what noise cannot know: the inputs, the predicted
 /// outputs, their past, squares, magnitudes and signs.
 std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,

@@ -67,7 +67,9 @@ std::vector<score::Check> ContactsCheck::Run(CheckContext& context) const {
   std::vector<score::Check> checks;
   std::map<std::string, ContactCourse> courses;
   std::map<std::string, std::pair<double, double>> impact_times;
-  for (auto& [name, plan] : plans) {
+  for (auto& variant : plans) {
+    const std::string& name = variant.first;
+    Plan& plan = variant.second;
     const auto follow = [&](const std::string& solver) {
       Result<ContactCourse> course = FollowContacts(plan, p_.shaft, solver, *context.registry, *context.records);
       if (course.ok()) {

@@ -20,14 +20,16 @@ class Value {
   using Array = std::vector<Value>;
   using Table = std::vector<Entry>;  // in the order of writing; keys are unique
 
-  Value() : data_(Table{}) {}
-  Value(bool value) : data_(value) {}                      // NOLINT(google-explicit-constructor): literals read well
-  Value(int value) : data_(std::int64_t{value}) {}         // NOLINT(google-explicit-constructor)
-  Value(std::int64_t value) : data_(value) {}              // NOLINT(google-explicit-constructor)
-  Value(double value) : data_(value) {}                    // NOLINT(google-explicit-constructor)
-  Value(const char* value) : data_(std::string(value)) {}  // NOLINT(google-explicit-constructor)
-  Value(std::string value) : data_(std::move(value)) {}    // NOLINT(google-explicit-constructor)
-  Value(Array value) : data_(std::move(value)) {}          // NOLINT(google-explicit-constructor)
+  // Literals read well where a value is wanted: the conversions are implicit. NOLINTBEGIN(google-explicit-constructor)
+  Value();
+  Value(bool value);
+  Value(int value);
+  Value(std::int64_t value);
+  Value(double value);
+  Value(const char* value);
+  Value(std::string value);
+  Value(Array value);
+  // NOLINTEND(google-explicit-constructor)
   Value(std::initializer_list<std::pair<const char*, Value>> entries);
 
   bool is_table() const { return std::holds_alternative<Table>(data_); }
@@ -72,6 +74,16 @@ struct Value::Entry {
   Value value;
   SourceSpan where;  // of the key
 };
+
+// Here, because making a variant of tables takes complete entries.
+inline Value::Value() : data_(Table{}) {}
+inline Value::Value(bool value) : data_(value) {}
+inline Value::Value(int value) : data_(std::int64_t{value}) {}
+inline Value::Value(std::int64_t value) : data_(value) {}
+inline Value::Value(double value) : data_(value) {}
+inline Value::Value(const char* value) : data_(std::string(value)) {}
+inline Value::Value(std::string value) : data_(std::move(value)) {}
+inline Value::Value(Array value) : data_(std::move(value)) {}
 
 /// The names of a table's keys, or of nothing for other values.
 std::vector<std::string> KeysOf(const Value& value);

@@ -1,0 +1,67 @@
+#include "diagnosis/gain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/random.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+/// Blocks of the squares are drawn anew 1000 times: residuals are correlated within a block, hardly across.
+void Bootstrap(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, double spread, SignalGain& gain) {
+  const Eigen::Index blocks = std::min<Eigen::Index>(40, before.size() / 5);
+  if (blocks < 2) return;
+  std::vector<std::pair<double, double>> sums(static_cast<std::size_t>(blocks));
+  const Eigen::Index length = before.size() / blocks;
+  for (Eigen::Index i = 0; i < blocks; ++i)
+    sums[static_cast<std::size_t>(i)] = {before.segment(i * length, length).mean(),
+                                         after.segment(i * length, length).mean()};
+  std::vector<double> drawn;
+  for (std::uint64_t draw = 0; draw < 1000; ++draw) {
+    double b = 0.0, a = 0.0;
+    for (std::uint64_t i = 0; i < sums.size(); ++i) {
+      const auto& one = sums[RandomBits(1, draw, i) % sums.size()];
+      b += one.first;
+      a += one.second;
+    }
+    const auto n = static_cast<double>(sums.size());
+    drawn.push_back((std::sqrt(b / n) - std::sqrt(a / n)) / spread);
+  }
+  std::sort(drawn.begin(), drawn.end());
+  gain.lower = drawn[25];
+  gain.upper = drawn[974];
+}
+
+}  // namespace
+
+std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::VectorXd& before,
+                                          const Eigen::VectorXd& after, double from) {
+  std::map<std::string, SignalGain> all;
+  for (const Channel& c : study.channels()) {
+    const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
+    const Eigen::Index count = c.count - first;
+    if (count < 10) continue;
+    const auto y = study.measured().segment(c.begin + first, count);
+    const double spread = std::max(std::sqrt((y.array() - y.mean()).square().mean()), 1e-12 * c.nominal);
+    const Eigen::ArrayXd b = (y - before.segment(c.begin + first, count)).array().square();
+    const Eigen::ArrayXd a = (y - after.segment(c.begin + first, count)).array().square();
+    SignalGain gain{std::sqrt(b.mean()) / spread, std::sqrt(a.mean()) / spread, 0.0, 0.0};
+    Bootstrap(b, a, spread, gain);
+    all[c.name] = gain;
+  }
+  return all;
+}
+
+double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted) {
+  double sum = 0.0;
+  for (const Channel& c : study.channels()) {
+    const double ms = (study.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
+                      static_cast<double>(std::max<Eigen::Index>(1, c.count));
+    sum += ms / std::max(c.spread * c.spread, 1e-300);
+  }
+  return std::sqrt(sum / static_cast<double>(study.channels().size()));
+}
+
+}  // namespace dynoproof::diagnosis

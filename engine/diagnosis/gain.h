@@ -1,0 +1,23 @@
+// How far two predictions are from the measurement, and what the second gains on the first.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "diagnosis/study.h"
+
+namespace dynoproof::diagnosis {
+
+struct SignalGain {
+  double before = 0.0, after = 0.0, lower = 0.0, upper = 0.0;  // NRMSE; 95 % interval of before - after
+};
+
+/// By signal, over the rows from share `from` of each channel on; channels with fewer than ten such rows are left out.
+/// Of several records the last one that has the signal.
+std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::VectorXd& before,
+                                          const Eigen::VectorXd& after, double from);
+
+/// RMS over the channels of the NRMSE.
+double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted);
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,432 @@
+#include "diagnosis/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "diagnosis/decide.h"
+#include "diagnosis/gain.h"
+#include "diagnosis/resume.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr double kSearchRows = 2e4;       // a channel: where the search takes place, 2 s of a drive line
+constexpr std::size_t kCarried = 3;       // fits that go on from there to all training data
+constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
+constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
+constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
+constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
+constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
+constexpr int kLaps = 5;             // of the race to the end
+constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
+constexpr double kBeaten = 2.0;      // times the best one's chi2, when it has found its place: no rival any more
+constexpr double kHopeless = 6.0;    // times the best one's chi2, when nothing has been linearised anew yet
+
+void BestFirst(std::vector<Fit>& fits) {
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
+}
+
+class Searching {
+ public:
+  Searching(const Study& study, const std::vector<MappedRecord>& data, double training_share,
+            const SearchOptions& options)
+      : whole_(study),
+        part_(PartOf(study)),
+        study_(part_ ? &*part_ : &whole_),
+        short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data, training_share)),
+        tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data, training_share)),
+        options_(options),
+        saved_(options.out, options.resume, study) {}
+
+  Result<Found> Run() {
+    Step("nominal run", 0.0);
+    const Result<Eigen::VectorXd> nominal = study_->Predict(study_->Nominal());
+    if (!nominal.ok()) return nominal.failure();
+    const Result<DoubtModel> doubts = LineariseDoubts(*study_, study_->Nominal(), FreedomOf(*study_, {}));
+    if (!doubts.ok()) return doubts.failure();
+    Whitener whitener(study_->channels(), study_->measured() - *nominal, 0);
+    Fit null = Fitter(*study_, whitener).Evaluate({}, *doubts);
+    if (!null.ok()) return Failure{null.broken, study_->plan().id};
+    // Its size and then its colour without what the doubts explain.
+    for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
+      whitener = WhitenerOf(*study_, null, order);
+      null = Fitter(*study_, whitener).Evaluate({}, *doubts);
+    }
+    // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
+    // hide it. Only as a hypothesis of its own does the nominal model get all the freedom of its doubts.
+    const Fit base = null;
+    null = Warm(null);
+    null = Fitter(*study_, WhitenerOf(*study_, null, 0)).Polish(std::move(null), 3);
+
+    found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
+    found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
+    std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
+    Suggest(Fitter(*study_, whitener), null, fits);
+    SortAgain(fits, null);
+    Fit best = fits.empty() ? null : fits.front();
+    std::vector<Structure> structure = StructureOf(best);
+    if (!fits.empty() && AnyFound(structure)) {
+      // Before a second effect is called for, the first one gets the time it needs.
+      for (const int order : {0, 0, Whitener::kOrder})
+        best = Fitter(*study_, WhitenerOf(*study_, best, order)).Polish(best, 8);
+      const Fitter fitter(*study_, WhitenerOf(*study_, best));
+      fits.front() = best;
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      structure = StructureOf(best);
+    }
+    if (!fits.empty() && AnyFound(structure)) TryPairs(fits, null, best, structure);
+    if (part_) {
+      if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
+    }
+    found_.null = std::move(null);
+    found_.fits = std::move(fits);
+    found_.structure = std::move(structure);
+    found_.simulations = simulations_;
+    return std::move(found_);
+  }
+
+ private:
+  static Plan ShortPlan(Plan plan) {
+    plan.root["run"]["realtime"]["substeps"] = Value(2);
+    return plan;
+  }
+  /// Searching takes as long as the records are; what a line's behaviour can tell, its first seconds do.
+  static std::optional<Study> PartOf(const Study& whole) {
+    const auto rows = static_cast<double>(whole.measured().size());
+    const double channels = static_cast<double>(std::max<std::size_t>(1, whole.channels().size()));
+    const double share = kSearchRows * channels / std::max(rows, 1.0);
+    if (share > 0.7) return std::nullopt;
+    return Study(whole.plan(), whole.records(), whole.registry(), share);
+  }
+  static double ShortShare(const std::vector<MappedRecord>& data, double training_share) {
+    double share = 0.3;
+    for (const MappedRecord& record : data) share = std::max(share, kScreeningTime_s / std::max(record.end_s, 1e-9));
+    return std::min(share, training_share);
+  }
+
+  void Step(const std::string& what, double fraction) { options_.progress(what, fraction); }
+
+  std::vector<Structure> StructureOf(const Fit& fit) const {
+    return FindStructure(*study_, study_->measured() - fit.predicted, fit.predicted);
+  }
+
+  /// Screens every candidate on top of `base` and fits the best ones fully.
+  std::vector<Fit> FitBest(const Fitter& fitter, const Fit& base, const std::string& what, double begin, double end) {
+    const std::string stage = base.Name();
+    std::vector<Screened> screened = saved_.Screening(stage);
+    if (screened.empty()) {
+      screened = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
+      saved_.KeepScreening(stage, screened);
+    }
+    for (const Screened& one : screened) simulations_ += one.simulations;
+    if (base.hypothesis.effects.empty()) found_.screened = screened;
+    std::vector<Fit> fits;
+    for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
+      const Screened& one = screened[k];
+      if (!std::isfinite(one.chi2) || short_base_chi2_ - one.chi2 < 0.3 * short_threshold_) break;
+      const Candidate& candidate = found_.candidates[one.candidate];
+      std::vector<Assumed> effects = base.hypothesis.effects;
+      if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
+            return assumed.effect == candidate.effect && assumed.place == candidate.place;
+          }))
+        continue;
+      effects.push_back(candidate.At(one.parameters));
+      Step("fitting " + candidate.ToString(),
+           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(fits.size()) / kFullFits));
+      Fit fit = OptimiseAfresh(fitter, effects, base);
+      simulations_ += fit.simulations;
+      if (fit.ok()) fits.push_back(std::move(fit));
+    }
+    BestFirst(fits);
+    return fits;
+  }
+
+  /// A doubt that the nominal model needs far outside its spread is no doubt any more: it is a candidate, found by all
+  /// the doubts moving together, which no single start can.
+  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
+    constexpr double kWorthATry = 3.0;  // spreads
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      const Doubt& doubt = study_->doubts()[i];
+      if (doubt.effect.empty() || !doubt.relative || std::abs(null.hypothesis.z[i]) < kWorthATry) continue;
+      const Effect* effect = study_->registry().FindEffect(doubt.effect);
+      const std::optional<Place> place = ParsePlace(doubt.at);
+      if (effect == nullptr || !place) continue;
+      const EffectParameter& delta = effect->info().parameters.front();
+      Hypothesis at = null.hypothesis;
+      at.effects.push_back({effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
+      at.z[i] = 0.0;
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, FreedomOf(*study_, at.effects));
+      if (!doubts.ok()) continue;
+      Step("fitting " + at.effects.back().ToString(), 0.5);
+      Fit fit = fitter.Optimise(at.effects, *doubts, 8);
+      simulations_ += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
+      if (!fit.ok()) continue;
+      std::erase_if(fits, [&](const Fit& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
+      if (std::none_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); }))
+        fits.push_back(std::move(fit));
+    }
+    BestFirst(fits);
+  }
+
+  /// Screens on the first part of the records, with half the substeps: it only ranks.
+  std::vector<Screened> ScreenShort(const Fit& base, const std::string& what, double begin, double end) {
+    const Result<DoubtModel> doubts =
+        LineariseDoubts(short_, {base.doubts.z0, base.hypothesis.effects}, base.doubts.freedom);
+    if (!doubts.ok()) return {};
+    const Result<Eigen::VectorXd> at = short_.Predict({base.doubts.z0, base.hypothesis.effects});
+    if (!at.ok()) return {};
+    Whitener whitener(short_.channels(), short_.measured() - *at, 0);
+    Fit fit;
+    for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
+      fit = Fitter(short_, whitener).Evaluate(base.hypothesis.effects, *doubts);
+      if (!fit.ok()) return {};
+      whitener = WhitenerOf(short_, fit, order);
+    }
+    const Fitter fitter(short_, whitener);
+    fit = fitter.Evaluate(base.hypothesis.effects, *doubts);
+    short_base_chi2_ = fit.chi2;
+    short_threshold_ = Threshold(whitener.rows(), found_.candidates.size());
+    return Screen(short_, fitter, fit, found_.candidates, short_threshold_,
+                  [&](double done) { Step("screening, " + what, begin + (end - begin) * done); });
+  }
+
+  /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
+  Fit OptimiseAfresh(const Fitter& fitter, std::vector<Assumed> effects, const Fit& base) {
+    const bool known = saved_.Recall(effects);
+    std::vector<double> freedom = FreedomOf(*study_, effects);
+    Hypothesis at{base.doubts.z0, effects};
+    if (freedom != base.doubts.freedom) {
+      // Another set of doubts: they are linearised about the effect itself.
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, freedom);
+      if (!doubts.ok()) return fitter.Evaluate(effects, base.doubts);
+      Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 8);
+      fit.simulations += static_cast<int>(doubts->free.size()) + 1;
+      saved_.Keep(fit.hypothesis.effects);
+      return fit;
+    }
+    Fit fit = fitter.Optimise(effects, base.doubts, known ? 2 : 8);
+    if (fit.ok()) saved_.Keep(fit.hypothesis.effects);
+    return fit;
+  }
+
+  /// With the noise's colour taken from the best fit, everything is fitted again: now differences count by their weight
+  /// against the noise, not against the effect itself.
+  void SortAgain(std::vector<Fit>& fits, Fit& null) {
+    if (fits.empty()) return;
+    const auto each = [&](const Fitter& fitter, const std::string& what, double fraction, const auto& fit_again) {
+      for (std::size_t k = 0; k < fits.size(); ++k) {
+        const int before = fits[k].simulations;
+        if (!fit_again(k)) continue;
+        Step(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / kFullFits);
+        simulations_ += std::max(0, fits[k].simulations - before);
+        fitter.Weigh(fits[k]);
+      }
+      std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+      BestFirst(fits);
+    };
+    // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
+    // there yet would count what the fit lacks as noise, and stay there.
+    {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      BestFirst(fits);
+      each(fitter, "fitting over longer and longer parts: ", 0.5, [&](std::size_t k) {
+        if (k >= kWarmed || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) return false;
+        fits[k] = Warm(fits[k]);
+        return true;
+      });
+      if (fits.empty()) return;
+    }
+    // A rival is not beaten before it has found its place: all that come anywhere near the best race on, round by
+    // round, as long as a round brings them a good part of the way to it. The size of the noise is taken anew each
+    // time: before the best one is there, the doubts' prior weighs too much.
+    std::set<std::string> out;
+    for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      BestFirst(fits);
+      Fit nominal = null;
+      fitter.Weigh(nominal);
+      const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
+      each(fitter, "fitting to the end: ", 0.56 + 0.02 * lap, [&](std::size_t k) {
+        const double gap = fits[k].chi2 - best;
+        if (out.contains(fits[k].Name()) || (k > 0 && gap > reach)) return false;
+        const double before = fits[k].chi2;
+        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 1);
+        if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
+        return true;
+      });
+      if (fits.empty()) return;
+      if (out.size() == fits.size() || std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) {
+            return out.contains(fit.Name()) || fit.chi2 - fits.front().chi2 > reach;
+          }))
+        break;
+    }
+    {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      BestFirst(fits);
+      each(fitter, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
+        if (k >= kPolished || (k > 0 && fits[k].chi2 > kBeaten * fits.front().chi2)) return false;
+        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 2);
+        return true;
+      });
+      if (fits.empty()) return;
+    }
+    const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
+    // The nominal model gets every chance: also from where the doubts stand beside the best effect.
+    Fit other = null;
+    other.hypothesis.z = fits.front().hypothesis.z;
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      if (const std::optional<double> z = AsDoubt(study_->doubts()[i], fits.front())) other.hypothesis.z[i] = *z;
+    }
+    null = fitter.Polish(std::move(null), 3);
+    other = fitter.Polish(std::move(other), 4);
+    if (other.ok() && other.chi2 < null.chi2) null = std::move(other);
+    for (Fit& fit : fits) fitter.Weigh(fit);
+    BestFirst(fits);
+  }
+
+  /// A second effect that moves a nominal value by no more than its doubt is no effect: the doubts had not found their
+  /// place yet. The first effect alone, with the doubt moved there.
+  std::optional<Fit> FoldBack(const Fit& pair) {
+    for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
+      const Assumed& moved = pair.hypothesis.effects[e];
+      for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+        const Doubt& doubt = study_->doubts()[i];
+        if (doubt.effect != moved.effect->info().name || doubt.at != moved.place.ToString()) continue;
+        const double z = moved.parameters.front() / doubt.spread;
+        if (std::abs(z) > kWithinDoubt) continue;
+        Hypothesis at = pair.hypothesis;
+        at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
+        at.z[i] = z;
+        Fit fit = FitAt(*study_, std::move(at));
+        if (!fit.ok()) continue;
+        for (const int order : {0, Whitener::kOrder})
+          fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), 5);
+        return fit;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Carries a hypothesis to the full records over shorter ones. A sharp resonance that is off by more than its width
+  /// loses the phase within a second: over a short part the way to its true place is still downhill.
+  Fit Warm(const Fit& cold) {
+    Fit fit = cold;
+    for (const Study* study : {&tiny_, &short_, study_}) {
+      fit = FitAt(*study, std::move(fit.hypothesis));
+      if (!fit.ok()) return cold;
+      const Fitter fitter(*study, WhitenerOf(*study, fit, 0));
+      fit = fitter.Polish(std::move(fit), 2);
+      simulations_ += fit.simulations;
+      if (!fit.ok()) return cold;
+    }
+    return fit;
+  }
+
+  void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
+    const Fitter fitter(*study_, WhitenerOf(*study_, best));
+    Fit base = best;
+    fitter.Weigh(base);
+    base.doubts.z0 = base.hypothesis.z;  // candidates are added at the optimum
+    std::vector<Fit> pairs = FitBest(fitter, base, "two effects", 0.7, 0.95);
+    if (pairs.size() > 3) pairs.resize(3);
+    if (pairs.empty()) return;
+    SortAgain(pairs, null);
+    if (pairs.empty()) return;
+    if (const std::optional<Fit> alone = FoldBack(pairs.front())) {
+      fits = {*alone};
+      structure = StructureOf(*alone);
+      return;
+    }
+    // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
+    std::vector<Structure> left = StructureOf(pairs.front());
+    const Fitter last(*study_, WhitenerOf(*study_, pairs.front()));
+    Fit alone = last.Polish(best, 6);
+    last.Weigh(pairs.front());
+    if (AnyFound(left) || alone.criterion - pairs.front().criterion < found_.threshold) {
+      found_.partial = "no pair of effects accounts for the rest either";
+      return;
+    }
+    fits = std::move(pairs);
+    structure = std::move(left);
+  }
+
+  /// Fits that stood on the part go on to all training data: the nominal model, and whatever is not far behind the
+  /// best.
+  Status ToTheWhole(Fit& null, std::vector<Fit>& fits, std::vector<Structure>& structure) {
+    const Fitter last(*study_, fits.empty() ? WhitenerOf(*study_, null) : WhitenerOf(*study_, fits.front()));
+    for (Fit& fit : fits) last.Weigh(fit);
+    const double best = fits.empty() ? 0.0 : fits.front().criterion, rows = last.whitener().rows();
+    std::vector<Fit> carried;
+    for (Fit& fit : fits) {
+      const double behind = fit.criterion - best;
+      if (carried.empty() || (carried.size() < kCarried && behind < 0.5 * rows)) {
+        carried.push_back(std::move(fit));
+        continue;
+      }
+      Considered& left = found_.considered.emplace_back(ConsideredOf(fit));
+      left.why_not = fmt::format("explains less of the first part of the data: -2 log evidence {:.0f} behind", behind);
+      left.validation_nrmse = TotalNrmse(*study_, fit.predicted);
+    }
+    fits = std::move(carried);
+    study_ = &whole_;
+    const auto carry = [&](Fit& fit, const Fit* leader) {
+      Step("all training data: " + fit.Name(), 0.95);
+      fit = FitAt(*study_, std::move(fit.hypothesis));
+      if (!fit.ok()) return;
+      for (const int order : {0, Whitener::kOrder})
+        fit = Fitter(*study_, WhitenerOf(*study_, leader != nullptr ? *leader : fit, order)).Polish(std::move(fit), 3);
+    };
+    for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
+    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+    carry(null, fits.empty() ? nullptr : &fits.front());
+    if (!null.ok()) return Failure{null.broken, study_->plan().id};
+    const Fitter fitter(*study_, WhitenerOf(*study_, fits.empty() ? null : fits.front()));
+    for (Fit& fit : fits) fitter.Weigh(fit);
+    BestFirst(fits);
+    found_.threshold = Threshold(fitter.whitener().rows(), found_.candidates.size());
+    structure = StructureOf(fits.empty() ? null : fits.front());
+    return {};
+  }
+
+  const Study& whole_;               // all that is for training
+  const std::optional<Study> part_;  // its first part, where the search takes place when the records are long
+  const Study* study_;               // where the fits stand now: the part, then the whole
+  const Study short_, tiny_;
+  double short_base_chi2_ = 0.0, short_threshold_ = 0.0;
+  const SearchOptions& options_;
+  SavedFits saved_;
+  Found found_;
+  int simulations_ = 0;
+};
+
+}  // namespace
+
+Considered ConsideredOf(const Fit& fit) {
+  Considered considered;
+  const std::vector<Assumed>& effects = fit.hypothesis.effects;
+  for (std::size_t e = 0; e + 1 < effects.size(); ++e) considered.name += effects[e].ToString() + " + ";
+  considered.name += effects.back().effect->info().name;
+  considered.at = effects.back().place.ToString();
+  return considered;
+}
+
+std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit) {
+  for (const Assumed& assumed : fit.hypothesis.effects) {
+    if (doubt.effect == assumed.effect->info().name && doubt.at == assumed.place.ToString())
+      return assumed.parameters.front() / doubt.spread;
+  }
+  return std::nullopt;
+}
+
+Result<Found> Search(const Study& study, const std::vector<MappedRecord>& data, double training_share,
+                     const SearchOptions& options) {
+  return Searching(study, data, training_share, options).Run();
+}
+
+}  // namespace dynoproof::diagnosis

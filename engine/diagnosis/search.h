@@ -1,0 +1,47 @@
+// The way to the hypotheses that may account for the records: screening, fits on longer and longer parts, pairs. What
+// they are worth is judged elsewhere (diagnose.h).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/screening.h"
+
+namespace dynoproof::diagnosis {
+
+struct Considered {
+  std::string name, at, why_not;
+  double validation_nrmse = 0.0;
+};
+/// Name and place of a fit; of several effects the last one's place, the others with theirs in the name.
+Considered ConsideredOf(const Fit& fit);
+
+/// An effect of the fit that changes the doubt's own number, in spreads of the doubt.
+std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit);
+
+struct Found {
+  Fit null;               // the nominal scenario with all the freedom of its doubts
+  std::vector<Fit> fits;  // best first; single effects, or pairs where no single one accounts for the records
+  std::vector<Structure> structure;  // what the best of all leaves, by channel
+  std::vector<Candidate> candidates;
+  std::vector<Screened> screened;      // single effects
+  std::vector<Considered> considered;  // what was left behind on the way
+  std::string partial;                 // why there is no more than a part of the truth; empty: nothing known
+  double threshold = 0.0;              // least gain of chi2 that counts
+  int simulations = 0;
+};
+
+struct SearchOptions {
+  std::string out;  // folder of the saved fits
+  bool resume = false;
+  std::function<void(const std::string& what, double fraction)> progress;
+};
+
+/// `study`: all of the training data, made of `data` cut at `training_share`. Fails where the nominal run breaks.
+Result<Found> Search(const Study& study, const std::vector<MappedRecord>& data, double training_share,
+                     const SearchOptions& options);
+
+}  // namespace dynoproof::diagnosis
