@@ -224,7 +224,8 @@ class Diagnosing {
     if (!before.ok()) return before.failure();
     if (!after.ok()) return after.failure();
     result_.train = GainsOf(study_, *before, *after, 0.0);
-    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry());
+    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), 1.0,
+                     study_.decompositions());
     Hypothesis chosen = best.hypothesis;
     if (result_.own_holdout) {
       for (std::size_t i = 0; i < chosen.z.size(); ++i) {

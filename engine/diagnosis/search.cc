@@ -36,8 +36,9 @@ class Searching {
       : whole_(study),
         part_(PartOf(study)),
         study_(part_ ? &*part_ : &whole_),
-        short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data, training_share)),
-        tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data, training_share)),
+        short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data, training_share),
+               study.decompositions()),
+        tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data, training_share), study.decompositions()),
         options_(options),
         saved_(options.out, options.resume, study) {}
 
@@ -99,7 +100,7 @@ class Searching {
     const double channels = static_cast<double>(std::max<std::size_t>(1, whole.channels().size()));
     const double share = kSearchRows * channels / std::max(rows, 1.0);
     if (share > 0.7) return std::nullopt;
-    return Study(whole.plan(), whole.records(), whole.registry(), share);
+    return Study(whole.plan(), whole.records(), whole.registry(), share, whole.decompositions());
   }
   static double ShortShare(const std::vector<MappedRecord>& data, double training_share) {
     double share = 0.3;

@@ -54,8 +54,9 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 
 }  // namespace
 
-Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until)
-    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)) {
+Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until,
+             std::shared_ptr<mechanics::Decompositions> known)
+    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), known_(std::move(known)) {
   if (!records_.empty()) StartFromRecord(records_.front(), plan_);
   for (MappedRecord& record : records_) {
     if (until < 1.0) CutRecord(record, until);
@@ -120,7 +121,7 @@ Result<Eigen::VectorXd> Study::PredictPlan(const Plan& plan) const {
     const Result<std::unique_ptr<Prepared>> prepared = Drive(plan, records_[r], *registry_);
     if (!prepared.ok()) return prepared.failure();
     const Rig& rig = *(*prepared)->rig;
-    const Result<std::unique_ptr<Solver>> solver = MakeSolver("realtime", rig);
+    const Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig, known_.get());
     if (!solver.ok()) return solver.failure();
     const Result<Samples> samples =
         observers_.empty() ? Simulate(rig, **solver) : PredictInWindows(rig, **solver, observers_[r]);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,7 +43,9 @@ class Study {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length, and only
   /// rows from share `from` on count (the simulation always starts at the record's first row).
-  Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0);
+  /// `known`: decompositions that other studies of the same machine share.
+  Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0,
+        std::shared_ptr<mechanics::Decompositions> known = std::make_shared<mechanics::Decompositions>());
 
   const Plan& plan() const { return plan_; }
   const Registry& registry() const { return *registry_; }
@@ -53,6 +56,7 @@ class Study {
   const Eigen::VectorXd& measured() const { return measured_; }
   /// Time of each row [s].
   const std::vector<double>& time_s() const { return time_s_; }
+  const std::shared_ptr<mechanics::Decompositions>& decompositions() const { return known_; }
 
   /// The plan of a hypothesis: doubts first, then the effects in order.
   Plan PlanOf(const Hypothesis& hypothesis) const;
@@ -74,6 +78,7 @@ class Study {
   std::vector<Channel> channels_;
   Eigen::VectorXd measured_;
   std::vector<double> time_s_;
+  std::shared_ptr<mechanics::Decompositions> known_;
 };
 
 }  // namespace dynoproof::diagnosis

@@ -9,6 +9,9 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
+
+#include "mechanics/block_newton.h"
 
 namespace dynoproof::mechanics {
 namespace {
@@ -124,27 +127,6 @@ bool CascadeSchur(const MatrixXd& A, MatrixXd& Q, MatrixXd& S) {
   return true;
 }
 
-/// X of F X - X G = H for blocks of at most 2 x 2; infinite when an eigenvalue is shared.
-MatrixXd SmallSylvester(const MatrixXd& F, const MatrixXd& G, const MatrixXd& H) {
-  const int p = static_cast<int>(F.rows()), q = static_cast<int>(G.rows());
-  if (p == 1 && q == 1) return H / (F(0, 0) - G(0, 0));
-  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
-  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
-  Small kronecker = Small::Zero(p * q, p * q);
-  SmallVector right(p * q);
-  for (int j = 0; j < q; ++j) {
-    kronecker.block(j * p, j * p, p, p) += F;
-    for (int k = 0; k < q; ++k) {
-      for (int i = 0; i < p; ++i) kronecker(j * p + i, k * p + i) -= G(k, j);
-    }
-    right.segment(j * p, p) = H.col(j);
-  }
-  const Eigen::FullPivLU<Small> lu(kronecker);
-  if (!lu.isInvertible()) return MatrixXd::Constant(p, q, std::numeric_limits<double>::infinity());
-  const SmallVector solution = lu.solve(right);
-  return Eigen::Map<const MatrixXd>(solution.data(), p, q);
-}
-
 /// The diagonal blocks of S, and which of them must stay together.
 struct Clusters {
   std::vector<int> first, size, label;
@@ -197,26 +179,6 @@ bool TryDecouple(const MatrixXd& S, double bound, Clusters& clusters, MatrixXd& 
       Y.block(ci, cj, ni, nj) = solution;
     }
   }
-  return true;
-}
-
-/// Brings a 2 x 2 matrix with complex eigenvalues to [a b; -b a], b > 0, by columns W; false when W would be
-/// ill-conditioned (a pair about to become real) or the eigenvalues are real.
-bool StandardPair(const Eigen::Matrix2d& M, Eigen::Matrix2d& W, Eigen::Matrix2d& pair) {
-  const double a = 0.5 * (M(0, 0) + M(1, 1)), d = 0.5 * (M(0, 0) - M(1, 1));
-  const double b_squared = -(d * d + M(0, 1) * M(1, 0));
-  constexpr double kSkew = 1e-3;  // of b over the largest entry: W then has a condition below about 1e3
-  const double largest = std::max({std::abs(d), std::abs(M(0, 1)), std::abs(M(1, 0))});
-  if (!(b_squared > kSkew * kSkew * largest * largest)) return false;
-  const double b = std::sqrt(b_squared);
-  // The eigenvector v of a + ib; W = (Re v, Im v) gives M W = W [a b; -b a].
-  if (std::abs(M(0, 1)) >= std::abs(M(1, 0))) {
-    W << M(0, 1), 0.0, -d, b;
-  } else {
-    W << d, b, M(1, 0), 0.0;
-  }
-  W *= std::sqrt(2.0) / W.norm();
-  pair << a, b, -b, a;
   return true;
 }
 
@@ -286,45 +248,11 @@ void Assemble(const MatrixXd& Q, const Clusters& clusters, const MatrixXd& Y, co
   form.condition = squares[0] > 0.0 ? std::sqrt(squares[n - 1] / squares[0]) : std::numeric_limits<double>::infinity();
 }
 
-/// One Newton step: with R = A T - T L formed in long double, eigenvalue errors drop from round-off of |A| to round-off
-/// of each eigenvalue itself. Over 1e5 steps of a lightly damped mode that is its phase.
+/// Eigenvalue errors drop from round-off of |A| to round-off of each eigenvalue itself. Over 1e5 steps of a lightly
+/// damped mode that is its phase.
 void Refine(const MatrixXd& A, BlockDiagonal& form) {
-  using MatrixXld = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  const MatrixXld T = form.T.cast<long double>();
-  MatrixXld residual = A.cast<long double>() * T;
-  for (const auto& b : form.blocks) {
-    residual.middleCols(b.first, b.size) -=
-        T.middleCols(b.first, b.size) * form.L.block(b.first, b.first, b.size, b.size).cast<long double>();
-  }
-  const MatrixXd F = form.T_inverse * residual.cast<double>();
-  const int n = static_cast<int>(A.rows());
-  MatrixXd X = MatrixXd::Zero(n, n);
-  const auto lambda = [&](const BlockDiagonal::Block& b) { return form.L.block(b.first, b.first, b.size, b.size); };
-  for (const auto& col : form.blocks) {
-    for (const auto& row : form.blocks) {
-      if (row.first == col.first || row.size > 2 || col.size > 2) continue;  // larger blocks stay as they are
-      const MatrixXd H = -F.block(row.first, col.first, row.size, col.size);
-      if ((H.array() == 0.0).all()) continue;
-      const MatrixXd correction = SmallSylvester(lambda(row), lambda(col), H);
-      // Between repeated eigenvalues the correction is undetermined and not needed: take small ones only.
-      if (correction.cwiseAbs().maxCoeff() < 1e-4) X.block(row.first, col.first, row.size, col.size) = correction;
-    }
-  }
-  for (const auto& block : form.blocks) {
-    const int i = block.first;
-    const MatrixXd E = F.block(i, i, block.size, block.size);
-    if (!block.pair) {
-      form.L.block(i, i, block.size, block.size) += E;
-      continue;
-    }
-    const double da = 0.5 * (E(0, 0) + E(1, 1)), db = 0.5 * (E(0, 1) - E(1, 0));
-    const double skew = 0.5 * (E(0, 0) - E(1, 1)), shear = 0.5 * (E(0, 1) + E(1, 0));
-    const double a = form.L(i, i), b = form.L(i, i + 1);
-    // What does not commute with [0 1; -1 0] is turned away: b (J X - X J) = -[skew shear; shear -skew].
-    X.block(i, i, 2, 2) << shear / (2.0 * b), -skew / (2.0 * b), -skew / (2.0 * b), -shear / (2.0 * b);
-    form.L.block(i, i, 2, 2) << a + da, b + db, -(b + db), a + da;
-  }
-  form.T += form.T * X;
+  // Between repeated eigenvalues a correction is undetermined and not needed: only small ones are taken.
+  NewtonStep<long double>(A, 1e-4, form);
   form.T_inverse = form.T.partialPivLu().inverse();
 }
 
@@ -364,6 +292,15 @@ BlockDiagonal BlockDiagonalise(const MatrixXd& A) {
   if (A.rows() == 0) return form;
   const VectorXd scale = BalancingScale(A);
   const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal();
+  const auto back = [&scale, &form] {
+    form.T = scale.asDiagonal() * form.T;
+    form.T_inverse = form.T_inverse * scale.cwiseInverse().asDiagonal();
+    return form;
+  };
+  if (std::optional<BlockDiagonal> near = FromPairs(balanced)) {
+    form = *std::move(near);
+    return back();
+  }
   MatrixXd Q, S, Y, N;
   if (!CascadeSchur(balanced, Q, S)) return Dense(A, std::numeric_limits<double>::infinity());
   // A cautious bound first loses nothing but time; where several moderate couplings pile up, tighter ones follow.
@@ -377,9 +314,7 @@ BlockDiagonal BlockDiagonalise(const MatrixXd& A) {
   const bool one_block = form.blocks.size() == 1 && A.rows() > 2;
   if (one_block || !(form.condition <= BlockDiagonal::kWorstCondition)) return Dense(A, form.condition);
   Refine(balanced, form);
-  form.T = scale.asDiagonal() * form.T;
-  form.T_inverse = form.T_inverse * scale.cwiseInverse().asDiagonal();
-  return form;
+  return back();
 }
 
 }  // namespace dynoproof::mechanics

@@ -184,7 +184,9 @@ LinearSystem EnergyCoordinates::System(const std::vector<OutputRow>& rows) const
     rates.row(e) = EdgeTwistRate(e).c.tail(moving);
     damping[e] = network_.edges[e].damping;
   }
-  system.A.bottomRightCorner(moving, moving) = -(rates.transpose() * damping.asDiagonal() * rates);
+  const MatrixXd dissipation = rates.transpose() * damping.asDiagonal() * rates;
+  // Symmetric to the last bit: what decomposes A relies on it (block_newton.h).
+  system.A.bottomRightCorner(moving, moving) = -0.5 * (dissipation + dissipation.transpose());
 
   system.B = MatrixXd::Zero(states(), inputs);
   system.B.middleRows(elastic, elastic) = shapes_.transpose() * torque_weights_;

@@ -10,8 +10,7 @@ namespace dynoproof::mechanics {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-ModalForm ModalForm::Build(const LinearSystem& system) {
-  BlockDiagonal diagonal = BlockDiagonalise(system.A);
+ModalForm ModalForm::Build(const LinearSystem& system, BlockDiagonal diagonal) {
   ModalForm form;
   form.condition = diagonal.condition;
   form.dense_fallback = diagonal.dense_fallback;

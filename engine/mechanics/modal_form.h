@@ -43,8 +43,9 @@ struct ModalForm {
   bool dense_fallback = false;
   int dropped_states = 0;
 
-  /// Decomposes the system (BlockDiagonalise).
-  static ModalForm Build(const LinearSystem& system);
+  /// Decomposes the system (BlockDiagonalise), or takes the decomposition of its A as given.
+  static ModalForm Build(const LinearSystem& system) { return Build(system, BlockDiagonalise(system.A)); }
+  static ModalForm Build(const LinearSystem& system, BlockDiagonal diagonal);
 
   /// Without the pairs beyond the `count` slowest (by |eigenvalue|). What a dropped mode does to a constant input is
   /// kept: its static gain goes to D (and F). (A correction of the next order gains no more than one further pair.)

@@ -26,8 +26,8 @@ using mechanics::Propagator;
 
 class RealtimeSolver : public Solver {
  public:
-  static Result<std::unique_ptr<Solver>> Make(const Rig& rig) {
-    auto solver = std::unique_ptr<RealtimeSolver>(new RealtimeSolver(rig));
+  static Result<std::unique_ptr<Solver>> Make(const Rig& rig, mechanics::Decompositions* known) {
+    auto solver = std::unique_ptr<RealtimeSolver>(new RealtimeSolver(rig, known));
     for (const Interval& interval : rig.intervals) {
       const double share = rig.run.realtime.substeps * interval.length;
       const int substeps = solver->exact_ ? 1 : std::max(1, static_cast<int>(std::ceil(share - 1e-9)));
@@ -112,9 +112,10 @@ class RealtimeSolver : public Solver {
     double length_s;
   };
 
-  explicit RealtimeSolver(const Rig& rig)
+  RealtimeSolver(const Rig& rig, mechanics::Decompositions* known)
       : rig_(rig), roles_(AssignRoles(rig)), with_memory_(BlocksWithMemory(rig)), group_(JoinLinearParts(rig, roles_)) {
-    form_ = ModalForm::Build(group_.system);
+    form_ = known != nullptr ? ModalForm::Build(group_.system, *known->Of(group_.system.A))
+                             : ModalForm::Build(group_.system);
     if (rig.run.realtime.keep_below_Hz > 0.0)
       form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
     exact_ = group_.channels.empty() && roles_.nonlinear.empty();
@@ -570,6 +571,8 @@ class RealtimeSolver : public Solver {
 
 }  // namespace
 
-Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig) { return RealtimeSolver::Make(rig); }
+Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig, mechanics::Decompositions* known) {
+  return RealtimeSolver::Make(rig, known);
+}
 
 }  // namespace dynoproof

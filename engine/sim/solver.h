@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/status.h"
+#include "mechanics/decompositions.h"
 #include "sim/rig.h"
 
 namespace dynoproof {
@@ -38,7 +39,8 @@ class Solver {
 /// SUNDIALS: adaptive, events located, restarted wherever a held signal changes.
 Result<std::unique_ptr<Solver>> MakeReferenceSolver(const Rig& rig);
 /// Fixed work per period: exact modal propagation of the linear part, substeps for the rest.
-Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig);
+/// `known`: where the decomposition of its linear part may be known already.
+Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig, mechanics::Decompositions* known = nullptr);
 /// The one of that name: "reference" or "realtime".
 Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Rig& rig);
 

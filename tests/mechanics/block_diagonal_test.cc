@@ -6,6 +6,8 @@
 #include <complex>
 #include <random>
 
+#include "mechanics/block_newton.h"
+#include "mechanics/decompositions.h"
 #include "mechanics/energy_coordinates.h"
 #include "tests/support/plants.h"
 
@@ -68,6 +70,40 @@ TEST(BlockDiagonal, RefinementReachesTheLastBits) {
     worst = std::max(worst, static_cast<double>(error));
   }
   EXPECT_LE(worst, 5e-16);  // storing a and b rounds by 1.1e-16; measured 0.9e-16, 2.5e-15 without the refinement
+}
+
+TEST(BlockDiagonal, ANetworksPairsAreFoundWithoutASchurForm) {
+  const MatrixXd A = NetworkMatrix(support::SoftRotorR2R());
+  const std::optional<BlockDiagonal> near = FromPairs(A);
+  ASSERT_TRUE(near);
+  ExpectDecomposes(A, *near);
+  // The eigenvalues by another way; each to its last bits, though they span five decades.
+  Eigen::VectorXcd other = A.eigenvalues();
+  for (const auto& block : near->blocks) {
+    const std::complex<double> own(near->L(block.first, block.first),
+                                   block.pair ? near->L(block.first, block.first + 1) : 0.0);
+    EXPECT_LT((other.array() - own).abs().minCoeff(), 1e-13 * A.norm());
+  }
+}
+
+TEST(Decompositions, GivesWhatItMadeBeforeAndForgetsTheOldest) {
+  const MatrixXd A = NetworkMatrix(support::StraightChain()), B = 2.0 * A;
+  Decompositions known(0.0);  // room for one
+  const auto first = known.Of(A);
+  EXPECT_EQ(known.Of(MatrixXd(A)), first);
+  EXPECT_EQ(first->T, BlockDiagonalise(A).T);
+  EXPECT_NE(known.Of(B), first);
+  EXPECT_NE(known.Of(A), first) << "made anew";
+  EXPECT_EQ(known.Of(A)->L, first->L);
+}
+
+TEST(BlockDiagonal, WhatIsNoNetworkOrDampedTooStronglyIsNoMatterOfPairs) {
+  MatrixXd A(4, 4);  // two pairs, one acting on the other only
+  A << 0, 10, 0, 0, -10, -1, 0, 0, 0, 0, 0, 30, 1, 0, -30, -1;
+  EXPECT_FALSE(FromPairs(A));
+  A << 0, 10, 0, 0, -10, -9, 0, -9, 0, 0, 0, 12, 0, -9, -12, -9;  // damping couples them as strongly as they turn
+  EXPECT_FALSE(FromPairs(A));
+  ExpectDecomposes(A, BlockDiagonalise(A));
 }
 
 TEST(BlockDiagonal, OverdampedPairsAreReal) {
