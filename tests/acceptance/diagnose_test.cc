@@ -4,10 +4,9 @@
 
 #include <limits>
 
-#include "base/random.h"
+#include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
 #include "trace/csv.h"
-#include "trace/trace_io.h"
 
 namespace dynoproof::test {
 namespace {
@@ -24,27 +23,9 @@ class Measured : public ::testing::Test {
     if (!change.empty()) run.insert(run.end(), {"--set", change});
     Record(run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"});
   }
-  void Record(std::vector<std::string> run, const std::string& file, const std::vector<std::string>& inputs,
+  void Record(const std::vector<std::string>& run, const std::string& file, const std::vector<std::string>& inputs,
               const std::vector<std::string>& outputs) {
-    run.insert(run.begin(), "run");
-    run.insert(run.end(), {"--solver", "reference"});
-    bench_.Call(run);
-    const Result<trace::Trace> trace = trace::ReadTrace(bench_ / file);
-    ASSERT_TRUE(trace.ok());
-    columns_ = {{.name = "t", .unit = "s", .values = trace->time}};
-    for (const std::string& name : inputs)
-      columns_.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
-    std::uint64_t stream = 2;
-    for (const std::string& name : outputs) {
-      columns_.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
-      std::vector<double>& values = columns_.back().values;
-      double mean = 0.0, square = 0.0;
-      for (const double v : values) mean += v / static_cast<double>(values.size());
-      for (const double v : values) square += (v - mean) * (v - mean) / static_cast<double>(values.size());
-      for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] += 0.01 * std::sqrt(square) * RandomNormal(3, stream, i);
-      ++stream;
-    }
+    columns_ = NoisyRecord(bench_, run, file, inputs, outputs);
     Write();
   }
   void Write() { ASSERT_FALSE(trace::WriteCsv(bench_ / "record.csv", columns_)); }
