@@ -99,7 +99,8 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
     }
     return starts;
   }
-  if (name == "cubic_stiffness") return {{0.02 * k / (twist * twist)}};
+  // In a resonance, or where no torque was measured, the twist is several times that of the torque at rest.
+  if (name == "cubic_stiffness") return {{0.02 * k / (twist * twist)}, {0.001 * k / (twist * twist)}};
   if (name == "backlash") return {{0.03 * twist}, {0.3 * twist}};
   // Starts far off too: a resonance that moved by more than its width leaves no slope to follow.
   if (name == "inertia_change" || name == "stiffness_change")
