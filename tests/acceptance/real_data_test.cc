@@ -64,6 +64,19 @@ TEST_F(SlowRealData, DiagnoseFindsTheSpringThatHardens) {
   EXPECT_EQ(bench_.Call({"validate", "found/extended.toml"}).exit, 0);
 }
 
+TEST_F(SlowRealData, DiagnoseFindsPartOfABandDamperAndSaysSo) {
+  const std::string slow = Data("friction_damper/sine_0.5Hz_1in.csv"), fast = Data("friction_damper/sine_1Hz_1in.csv");
+  if (!fs::exists(slow)) GTEST_SKIP() << slow << " is not here";
+  const nlohmann::json result = bench_.Json({"diagnose", Real("friction_damper.toml"), "--data", slow, "--holdout",
+                                             fast, "--map", Real("friction_damper_short.toml"), "--out", "found"});
+  EXPECT_EQ(result["verdict"], "unexplained") << result.dump(1);
+  ASSERT_EQ(result["effects"].size(), 1u) << result.dump(1);
+  EXPECT_EQ(result["effects"][0]["name"], "dahl_friction");
+  EXPECT_EQ(result["effects"][0]["at"], "inertia:rod");
+  EXPECT_FALSE(result["residual"]["at_noise_floor"].get<bool>());
+  EXPECT_GT(result["gain"]["holdout"]["F"]["gain_ci95"][0], 0.3) << result["gain"];  // 0.93 -> 0.29 on the long part
+}
+
 TEST_F(SlowRealData, DryFrictionExplainsMostOfADamper) {
   const std::string record = Data("mr_damper/data_simulation_4.1_MRdamper.mat");
   if (!fs::exists(record)) GTEST_SKIP() << record << " is not here";
