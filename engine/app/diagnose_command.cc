@@ -1,6 +1,8 @@
 // dynoproof diagnose
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -23,6 +25,13 @@ struct DiagnoseArguments {
   std::vector<std::string> data, maps, holdout, overrides;
   bool strict = false, resume = false;
 };
+
+/// At once, not after the fit that is on its way: what is saved is whole at any time, and no result is half there.
+void Interrupt(int) {
+  constexpr char kMessage[] = "\ninterrupted: --resume goes on from the fits that are saved\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
+  ::_exit(kUndecided);
+}
 
 int Diagnose(const DiagnoseArguments& arguments) {
   Diagnostics diagnostics;
@@ -62,6 +71,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
   options.scenario_file = measured->file;
   options.overrides = arguments.overrides;
   options.resume = arguments.resume;
+  std::signal(SIGINT, Interrupt);
+  std::signal(SIGTERM, Interrupt);
   std::mutex screen;
   options.progress = [&screen](const std::string& what, double fraction) {
     const std::lock_guard<std::mutex> lock(screen);
@@ -69,6 +80,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
   };
   const Result<diagnosis::Diagnosis> result =
       diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
   ClearProgress();
   if (!result.ok()) {
     Complain(result.failure().ToString() + "\n");
@@ -118,7 +131,8 @@ void AddDiagnose(CLI::App& program, int& exit) {
       *command,
       "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
       "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
-      "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -");
+      "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -\n"
+      "Interrupted (Ctrl-C) it ends with 4; --resume goes on.\n");
   command->callback([arguments, &exit] { exit = Diagnose(*arguments); });
 }
 

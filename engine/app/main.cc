@@ -1,5 +1,6 @@
 // dynoproof: is this simulation right, is it fast enough for 10 kHz, and if it disagrees with the measurement, why?
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include <csignal>
 #include <exception>
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", fmt::format("dynoproof {} ({})", build_info::kVersion, build_info::Commit()));
   program.require_subcommand(1);
   program.footer("More: dynoproof COMMAND --help");
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death without a word
+  std::signal(SIGPIPE, SIG_IGN);           // a closed pipe is a failed write, not a death without a word
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what Ceres meets on its way is no message to a user
   int exit = app::kGood;
   app::AddRun(program, exit);
   app::AddModes(program, exit);

@@ -99,7 +99,8 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
     }
     return starts;
   }
-  if (name == "cubic_stiffness") return {{0.02 * k / (twist * twist)}};
+  // In a resonance, or where no torque was measured, the twist is several times that of the torque at rest.
+  if (name == "cubic_stiffness") return {{0.02 * k / (twist * twist)}, {0.001 * k / (twist * twist)}};
   if (name == "backlash") return {{0.03 * twist}, {0.3 * twist}};
   // Starts far off too: a resonance that moved by more than its width leaves no slope to follow.
   if (name == "inertia_change" || name == "stiffness_change")
@@ -170,6 +171,8 @@ Magnitudes MagnitudesOf(const Study& study) {
 std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes) {
   std::vector<Candidate> candidates;
   bool rippled = false;
+  const Value* type = study.plan().root.FindPath("plant.type");
+  const bool moved = type != nullptr && type->is_string() && type->string() == "moved_body";
   for (const Effect* effect : study.registry().Effects()) {
     const std::string& name = effect->info().name;
     for (const Place& place : effect->Places(study.plan())) {
@@ -179,8 +182,10 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
         continue;
       if (place.kind == "input" && !study.records().front().inputs.contains(place.name)) continue;
       Candidate candidate{effect, place, StartsOf(study, magnitudes, *effect, place), StrengthsOf(*effect), false};
-      candidate.refinement = name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction" ||
-                             (name == "torque_ripple" && rippled);
+      // Where the motion is given a run costs next to nothing, and elastic friction need not look like a dry one.
+      const bool other_friction =
+          name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction";
+      candidate.refinement = (other_friction && !moved) || (name == "torque_ripple" && rippled);
       rippled = rippled || name == "torque_ripple";
       for (std::vector<double>& start : candidate.starts) {
         for (std::size_t i = 0; i < start.size(); ++i)

@@ -67,9 +67,10 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
                                   const DiagnoseOptions& options) {
   std::string text = fmt::format(
       "# {} with what a diagnosis found. Intervals are 95 %.\n"
-      "include = [\"{}\"]\n"
-      "without = [\"check\"]  # limits and oracles of the nominal model\n",
+      "include = [\"{}\"]\n",
       study.plan().id, IncludeOf(options));
+  if (study.plan().root.Find("check") != nullptr)
+    text += "without = [\"check\"]  # limits and oracles of the nominal model\n";
   // Values fitted along, as dotted tables: [plant.inertia] I5 = ...
   std::set<std::string> tables;
   std::vector<std::pair<std::string, std::string>> lines;

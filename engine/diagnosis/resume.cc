@@ -51,7 +51,7 @@ SavedFits::SavedFits(std::string folder, bool resume, const Study& study)
       std::vector<Screened> screened;
       for (const json& one : list) {
         screened.push_back({one.at("candidate"), one.at("parameters"), NumberOf(one.at("chi2")),
-                            NumberOf(one.at("criterion")), NumberOf(one.at("smallest")), 0});
+                            NumberOf(one.at("criterion")), NumberOf(one.at("smallest")), 0, one.at("promising")});
       }
       screenings_.emplace_back(stage, std::move(screened));
     }
@@ -103,7 +103,8 @@ void SavedFits::Write() const {
                      {"parameters", one.parameters},
                      {"chi2", Finite(one.chi2)},
                      {"criterion", Finite(one.criterion)},
-                     {"smallest", Finite(one.smallest)}});
+                     {"smallest", Finite(one.smallest)},
+                     {"promising", one.promising}});
     }
   }
   for (const auto& [name, parameters] : optima_) saved["optima"][name] = parameters;

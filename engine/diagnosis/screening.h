@@ -17,6 +17,7 @@ struct Screened {
   /// Smallest first strength whose signature would stand out, in the parameter's unit; NaN: not defined.
   double smallest = 0.0;
   int simulations = 0;
+  bool promising = false;  // gained enough to be fitted fully
 };
 
 /// Screens the candidates on top of `base` (its effects and doubts). Sorted by criterion, best first; candidates that

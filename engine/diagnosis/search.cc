@@ -127,7 +127,7 @@ class Searching {
     std::vector<Fit> fits;
     for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
       const Screened& one = screened[k];
-      if (!std::isfinite(one.chi2) || short_base_chi2_ - one.chi2 < 0.3 * short_threshold_) break;
+      if (!one.promising) break;
       const Candidate& candidate = found_.candidates[one.candidate];
       std::vector<Assumed> effects = base.hypothesis.effects;
       if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
@@ -188,10 +188,12 @@ class Searching {
     }
     const Fitter fitter(short_, whitener);
     fit = fitter.Evaluate(base.hypothesis.effects, *doubts);
-    short_base_chi2_ = fit.chi2;
-    short_threshold_ = Threshold(whitener.rows(), found_.candidates.size());
-    return Screen(short_, fitter, fit, found_.candidates, short_threshold_,
-                  [&](double done) { Step("screening, " + what, begin + (end - begin) * done); });
+    const double threshold = Threshold(whitener.rows(), found_.candidates.size());
+    std::vector<Screened> screened = Screen(short_, fitter, fit, found_.candidates, threshold, [&](double done) {
+      Step("screening, " + what, begin + (end - begin) * done);
+    });
+    for (Screened& one : screened) one.promising = std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold;
+    return screened;
   }
 
   /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
@@ -399,7 +401,6 @@ class Searching {
   const std::optional<Study> part_;  // its first part, where the search takes place when the records are long
   const Study* study_;               // where the fits stand now: the part, then the whole
   const Study short_, tiny_;
-  double short_base_chi2_ = 0.0, short_threshold_ = 0.0;
   const SearchOptions& options_;
   SavedFits saved_;
   Found found_;

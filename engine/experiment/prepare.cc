@@ -66,8 +66,8 @@ void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
   run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - 1e-6)) * period_s);
   for (const auto& [name, series] : data.inputs) {
     const Value* interpolation = plan.root.FindPath("input." + name + ".source.interpolation");
-    const bool linear = interpolation->is_string() && interpolation->string() == "linear";
-    records[name] = linear ? Centred(series, period_s) : OnTicks(series, period_s);
+    const bool held = !interpolation->is_string() || interpolation->string() == "hold";
+    records[name] = held ? OnTicks(series, period_s) : Centred(series, period_s);
   }
 }
 

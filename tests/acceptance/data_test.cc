@@ -126,6 +126,40 @@ TEST_F(Data, ComesBackAtAnAwkwardRate) {
   EXPECT_LT(Scenario()["figures"]["omega_1.nrmse"]["value"], 1e-3);
 }
 
+/// An analogue torque up to 400 Hz, sampled at 2 kHz: held or joined by straight lines it is another torque.
+TEST_F(Data, OfABandLimitedInputIsReplayedAsThat) {
+  ASSERT_EQ(
+      bench_.Call({"run", "line.toml", "--set", "run.period_s=1e-5", "--set", "input.T_airgap.source.amplitude=50.0"})
+          .exit,
+      0);
+  const auto trace = trace::ReadTrace(bench_ / "out/line.h5");
+  ASSERT_TRUE(trace.ok());
+  ASSERT_EQ(trace->time.size(), 5001u);
+  columns_[0].values.clear();
+  for (std::size_t i = 0; i < trace->time.size(); i += 50) columns_[0].values.push_back(trace->time[i]);
+  for (std::size_t c = 1; c < columns_.size(); ++c) {
+    columns_[c].values.clear();
+    for (std::size_t i = 0; i < trace->time.size(); i += 50)
+      columns_[c].values.push_back(trace->Find(columns_[c].name)->values[i]);
+  }
+  Write();
+  std::map<std::string, double> error;
+  for (const char* between : {"hold", "linear", "band_limited"}) {
+    std::string text = Bench::kLine;
+    const std::size_t at = text.find("source = { type");
+    text.replace(at, text.find('\n', at) - at,
+                 std::string("source = { type = \"replay\", times_s = [0.0, 1.0], values = [0.0, 0.0], "
+                             "interpolation = \"") +
+                     between + "\" }");
+    bench_.Write("line.toml", text);
+    Run();
+    error[between] = Scenario()["figures"]["T_shaft.nrmse"]["value"];
+  }
+  EXPECT_LT(error["band_limited"], 0.005);  // 0.0035: the end of the record, and ticks of 100 us
+  EXPECT_GT(error["linear"], 0.01);         // 0.0145
+  EXPECT_GT(error["hold"], 0.1);            // 0.17
+}
+
 TEST_F(Data, MustHaveEveryOutputThatTheScenarioLimits) {
   bench_.Write("line.toml", Bench::kLine + std::string("\n[record]\nnrmse = { T_shaft = 0.1, omega_1 = 0.1 }\n"));
   columns_.pop_back();

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace dynoproof {
 
 PluginInfo MovedBody::Info() {
@@ -17,6 +19,7 @@ std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&,
   std::unique_ptr<MovedBody> plant(new MovedBody);
   plant->stiffness_ = params.stiffness_N_per_m;
   plant->damping_ = params.damping_Ns_per_m;
+  plant->transition_ = params.transition_speed_m_per_s;
   Layout& layout = plant->layout_;
   layout.inputs = {{"x", "m", "position of the body", 0.01}, {"v", "m/s", "its speed", 0.1}};
   layout.outputs = {{"force", "N", "force that moves the body", params.nominal_force_N}};
@@ -75,13 +78,14 @@ void MovedBody::Start(std::span<const double> inputs, std::span<double> states, 
 
 void MovedBody::Output(const View& view, std::span<double> outputs) const {
   const double v = view.inputs[1];
+  const double slips = transition_ > 0.0 ? std::tanh(std::abs(v) / transition_) : 1.0;
   outputs[0] = stiffness_ * view.inputs[0] + damping_ * v;
   for (const Load& load : loads_) {
     const LawView at = ViewOf(view, load);
     if (!load.law->sticks()) {
       outputs[0] += load.law->Torque(at);
     } else if (v != 0.0) {
-      outputs[0] += load.law->SlipTorque(at, v > 0.0 ? 1 : -1);
+      outputs[0] += slips * load.law->SlipTorque(at, v > 0.0 ? 1 : -1);
     }
   }
 }

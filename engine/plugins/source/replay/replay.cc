@@ -2,14 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace dynoproof::sources {
+namespace {
+
+// Samples to either side that make a value. The Blackman window's main lobe then ends 3 / 32 of the sampling rate from
+// its middle: content is kept up to 0.8 of half the sampling rate.
+constexpr int kReach = 32;
+
+}  // namespace
 
 PluginInfo Replay::Info() {
   return {"source",
           "replay",
           "a recorded signal, held or interpolated",
-          "values[i] for times[i] <= t < times[i+1], or the straight line between them",
+          "values[i] for times[i] <= t < times[i+1], the straight line between them, or their band-limited signal",
           "definition",
           {}};
 }
@@ -26,6 +34,19 @@ std::optional<std::string> ProblemOf(const Series& series) {
   const auto fall = std::adjacent_find(times.begin(), times.end(), std::greater_equal<>());
   if (fall == times.end()) return std::nullopt;
   return fmt::format("the times do not rise after {} s (sample {})", *fall, fall - times.begin());
+}
+
+std::optional<std::string> UnequalStepsOf(const Series& series) {
+  constexpr double kOff = 0.01;  // what a signal at half the sampling rate errs by then: pi/100 of its amplitude
+  const std::vector<double>& times = *series.time;
+  if (times.size() < 2) return "one sample has no band";
+  const double step = (times.back() - times.front()) / (static_cast<double>(times.size()) - 1.0);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double off = (times[i] - times.front()) / step - static_cast<double>(i);
+    if (!(std::abs(off) <= kOff))
+      return fmt::format("sample {} comes {:.3g} steps beside equal steps of {} s", i, off, step);
+  }
+  return std::nullopt;
 }
 
 void Replay::Params::Check(Faults& faults) const {
@@ -56,8 +77,21 @@ std::unique_ptr<Replay> Replay::Create(const Params& params, const ::dynoproof::
     context.diagnostics.Error(table.where(), context.context + ": " + *problem, "rising times, one value each");
     return nullptr;
   }
-  return std::make_unique<Replay>(std::move(series), params.interpolation == "linear");
+  if (params.interpolation == "band_limited") {
+    if (const std::optional<std::string> problem = UnequalStepsOf(series)) {
+      context.diagnostics.Error(table.where(), context.context + ": " + *problem,
+                                "\"band_limited\" needs equal steps: interpolation = \"linear\" does not");
+      return nullptr;
+    }
+  }
+  return std::make_unique<Replay>(std::move(series), params.interpolation);
 }
+
+Replay::Replay(Series series, const std::string& interpolation)
+    : series_(std::move(series)),
+      between_(interpolation == "linear"         ? Between::kLine
+               : interpolation == "band_limited" ? Between::kBandLimited
+                                                 : Between::kHold) {}
 
 double Replay::Value(double time_s) const {
   const std::vector<double>& times = *series_.time;
@@ -65,9 +99,37 @@ double Replay::Value(double time_s) const {
   const auto next = std::upper_bound(times.begin(), times.end(), time_s + kTimeSlack);
   if (next == times.begin()) return values.front();
   const std::size_t i = next - times.begin() - 1;
-  if (next == times.end() || !linear_) return values[i];
+  if (next == times.end() || between_ == Between::kHold) return values[i];
+  if (between_ == Between::kBandLimited) return BandLimited(time_s);
   const double share = std::clamp((time_s - times[i]) / (times[i + 1] - times[i]), 0.0, 1.0);
   return values[i] + share * (values[i + 1] - values[i]);
+}
+
+double Replay::BandLimited(double time_s) const {
+  constexpr double pi = std::numbers::pi;
+  const std::vector<double>& times = *series_.time;
+  const std::vector<double>& values = *series_.values;
+  const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+  const double position = (time_s - times.front()) / (times.back() - times.front()) * static_cast<double>(last);
+  const auto before = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(position), 0, last);
+  const double share = position - static_cast<double>(before);
+  if (std::abs(share) < 1e-9) return values[static_cast<std::size_t>(before)];
+  // The distance x to sample before + j is share - j, and sin(pi x) = (-1)^j sin(pi share): up to a factor that all
+  // weights have, sinc(x) is (-1)^j / x. The cosine of the window goes on from sample to sample by a rotation.
+  double sum = 0.0, weights = 0.0, sign = kReach % 2 == 0 ? -1.0 : 1.0;
+  const double turn = std::cos(pi / kReach), first = pi * (share + kReach - 1) / kReach;
+  double cosine = std::cos(first), previous = std::cos(first + pi / kReach);
+  for (std::ptrdiff_t j = 1 - kReach; j <= kReach; ++j) {
+    const double weight = sign / (share - static_cast<double>(j)) * (0.34 + cosine * (0.5 + 0.16 * cosine));
+    // Before the first sample and behind the last stand these.
+    sum += weight * values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(before + j, 0, last))];
+    weights += weight;
+    sign = -sign;
+    const double next = 2.0 * turn * cosine - previous;
+    previous = cosine;
+    cosine = next;
+  }
+  return sum / weights;  // a constant stays one
 }
 
 }  // namespace dynoproof::sources

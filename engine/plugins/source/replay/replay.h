@@ -1,8 +1,9 @@
 // Source `replay`: a recorded signal. The arrays stand in the scenario or are handed over by the experiment, which
 // reads `file`: no plugin opens one.
 //
-// Between two samples the value is held (`hold`) or goes in a straight line (`linear`); before the first and after the
-// last sample that sample's value is held.
+// Between two samples the value is held (`hold`), goes in a straight line (`linear`), or is that of the signal without
+// content above half the sampling rate (`band_limited`, equal steps only): a sum of sinc functions under a Blackman
+// window of 32 samples to either side. Before the first and after the last sample that sample's value is held.
 #pragma once
 
 #include <optional>
@@ -22,7 +23,8 @@ class Replay : public Source {
       v.Optional("file", file, Any(), "CSV or HDF5 file instead of the arrays, relative to the scenario");
       v.Optional("column", column, Any(), "column or signal of the file");
       v.Optional("record", record, Any(), "signal that the experiment hands over (run --data sets this)");
-      v.Optional("interpolation", interpolation, std::vector<std::string>{"hold", "linear"}, "between two samples");
+      v.Optional("interpolation", interpolation, std::vector<std::string>{"hold", "linear", "band_limited"},
+                 "between two samples");
     }
     void Check(Faults& faults) const;
     /// The name under which the experiment hands the series over: the record, or "file#column".
@@ -31,16 +33,21 @@ class Replay : public Source {
   static PluginInfo Info();
   /// Null, with a diagnostic, when the series is not there or its times do not rise.
   static std::unique_ptr<Replay> Create(const Params& params, const ::dynoproof::Value& table, BuildContext& context);
-  Replay(Series series, bool linear) : series_(std::move(series)), linear_(linear) {}
+  /// `interpolation` as in Params; for "band_limited" the times rise in equal steps.
+  Replay(Series series, const std::string& interpolation);
 
   double Value(double time_s) const override;
 
  private:
+  double BandLimited(double time_s) const;
+
   Series series_;
-  bool linear_;
+  enum class Between { kHold, kLine, kBandLimited } between_;
 };
 
 /// What is wrong with a series, or nothing.
 std::optional<std::string> ProblemOf(const Series& series);
+/// The same for a series without equal steps: a time stamp may be off by a hundredth of a step.
+std::optional<std::string> UnequalStepsOf(const Series& series);
 
 }  // namespace dynoproof::sources
