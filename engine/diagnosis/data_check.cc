@@ -103,6 +103,24 @@ std::optional<std::string> WrongUnit(double factor) {
   return std::nullopt;
 }
 
+/// Whether two signals are opposite in every octave. A sensor's sign turns all of them, a resonance that is elsewhere
+/// than simulated only those around it.
+bool TurnedThroughout(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const std::vector<double> x(a.begin(), a.end()), y(b.begin(), b.end());
+  const auto p = score::Fft(std::span<const double>(x)), q = score::Fft(std::span<const double>(y));
+  constexpr std::size_t kLeast = 8;  // bins: noise alone is then rarely alike by more than 0.7
+  for (std::size_t first = kLeast; 2 * first <= x.size() / 2; first *= 2) {
+    double both = 0.0, of_p = 0.0, of_q = 0.0;
+    for (std::size_t k = first; k < 2 * first; ++k) {
+      both += (p[k] * std::conj(q[k])).real();
+      of_p += std::norm(p[k]);
+      of_q += std::norm(q[k]);
+    }
+    if (both > 0.7 * std::sqrt(of_p * of_q)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<Finding> CheckRecord(const trace::Record& record) {
@@ -173,7 +191,7 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
                                         other.name, there, own),
                             0, 0.0});
     }
-    if (own < -0.7)
+    if (own < -0.7 && TurnedThroughout(measured, predicted))
       findings.push_back({true, "sign", channel.name,
                           fmt::format("moves against the simulation (correlation {:.2f}): sign = -1 in a map?", own), 0,
                           0.0});
