@@ -16,7 +16,11 @@ namespace {
 class Look {
  public:
   Look(const Study& study, const Fitter& fitter, const Fit& base)
-      : study_(study), fitter_(fitter), base_(base), projection_(base.doubts, fitter.whitener()) {
+      : study_(study),
+        fitter_(fitter),
+        base_(base),
+        plan_(study.PlanOf({base.doubts.z0, base.hypothesis.effects})),
+        projection_(base.doubts, fitter.whitener()) {
     const Result<Eigen::VectorXd> at = study.Predict({base.doubts.z0, base.hypothesis.effects});
     if (at.ok()) predicted_ = *at;
     error_ = fitter.whitener()(study.measured() - predicted_);
@@ -27,6 +31,9 @@ class Look {
     Screened best;
     best.chi2 = best.criterion = std::numeric_limits<double>::infinity();
     best.smallest = std::numeric_limits<double>::quiet_NaN();
+    // What the base's effects have replaced is no place any more.
+    const std::vector<Place> places = candidate.effect->Places(plan_);
+    if (std::find(places.begin(), places.end(), candidate.place) == places.end()) return best;
     // The candidate's own doubt must not compete with it.
     const std::optional<DoubtModel> fewer = Without(candidate);
     const std::optional<Projection> own =
@@ -203,6 +210,7 @@ class Look {
   const Study& study_;
   const Fitter& fitter_;
   const Fit& base_;
+  const Plan plan_;  // of the base
   Projection projection_;
   Eigen::VectorXd predicted_, error_, freed_error_;
 };

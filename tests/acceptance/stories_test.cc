@@ -13,7 +13,7 @@ class Story : public ::testing::Test {
  protected:
   nlohmann::json Diagnosed(const std::string& scenario, const std::vector<trace::Column>& record) {
     if (trace::WriteCsv(bench_ / "record.csv", record)) throw std::runtime_error("the record cannot be written");
-    return bench_.Json({"diagnose", scenario, "--data", "record.csv", "--out", "found"});
+    return bench_.Json({"diagnose", scenario, "--data", "record.csv", "--out", "found"}, {.limit_s = 1800});
   }
   static std::string FirstCause(const nlohmann::json& result) {
     if (result["effects"].size() != 1) return result["verdict"];

@@ -40,6 +40,7 @@ struct CallOptions {
   bool terminal = false;                                // stdout and stderr are a terminal
   long largest_file = -1;                               // bytes; writing more fails as on a full disk
   std::string program = DYNOPROOF_PROGRAM;
+  unsigned limit_s = 300;  // a hung program ends the test, not the day
 };
 
 namespace detail {
@@ -55,7 +56,7 @@ namespace detail {
     const rlimit limit{static_cast<rlim_t>(options.largest_file), static_cast<rlim_t>(options.largest_file)};
     ::setrlimit(RLIMIT_FSIZE, &limit);
   }
-  ::alarm(300);  // a hung program ends the test, not the day
+  ::alarm(options.limit_s);
   std::vector<char*> words = {const_cast<char*>(options.program.c_str())};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
