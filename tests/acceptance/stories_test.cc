@@ -34,7 +34,7 @@ TEST_F(Story, ALumpedLineLacksTheDistributedRotor) {
       Diagnosed("diagnose/heavy_duty_lumped",
                 NoisyRecord(bench_, {"diagnose/heavy_duty_soft", "--set", "run.duration_s=2"},
                             "out/diagnose/heavy_duty_soft.h5", {"T_airgap"}, {"T_shaft", "omega_1"}));
-  EXPECT_EQ(FirstCause(result), "effect_found: distributed_inertia@run:rotor") << result.dump(1);
+  EXPECT_EQ(FirstCause(result), "effect_found: distributed_inertia@rotor:rotor") << result.dump(1);
 }
 
 // Sec. 3.2: between the impacts the sides of the gap lose speed to each other.
@@ -75,7 +75,7 @@ source = { type = "chirp", start_Hz = 5.0, end_Hz = 400.0, duration_s = 4.0, amp
 [[effect]]
 name = "actuator_harmonic"
 at = "input:T_airgap"
-parameters = { a = 0.1, b = 0.0 }
+parameters = { h2 = 0.1, h3 = 0.0 }
 )");
   const nlohmann::json result =
       Diagnosed("diagnose/heavy_duty_lumped",

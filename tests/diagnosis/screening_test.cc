@@ -23,7 +23,7 @@ Series Made(double size, std::uint64_t stream) {
 }
 
 // A distributed rotor stands for the inertias of its run: they are no place for a second effect any more.
-TEST(Screening, PlacesThatAnEffectHasReplacedArePassedOver) {
+TEST(SlowScreening, PlacesThatAnEffectHasReplacedArePassedOver) {
   Registry registry;
   RegisterBuiltIns(registry);
   Diagnostics diagnostics;
