@@ -241,6 +241,7 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
   model.jacobian.resize(study.measured().size(), static_cast<Eigen::Index>(model.free.size()));
   for (std::size_t k = 0; k < model.free.size(); ++k)
     model.jacobian.col(static_cast<Eigen::Index>(k)) = (points[k + 1] - points[0]) / kDoubtStep;
+  model.predicted = std::move(points[0]);
   return model;
 }
 
@@ -248,14 +249,13 @@ Fit FitAt(const Study& study, Hypothesis hypothesis) {
   Fit fit;
   fit.hypothesis = std::move(hypothesis);
   const Result<DoubtModel> doubts = LineariseDoubts(study, fit.hypothesis, FreedomOf(study, fit.hypothesis.effects));
-  const Result<Eigen::VectorXd> predicted = study.Predict(fit.hypothesis);
-  if (!doubts.ok() || !predicted.ok()) {
-    fit.broken = (!doubts.ok() ? doubts.failure() : predicted.failure()).ToString();
+  if (!doubts.ok()) {
+    fit.broken = doubts.failure().ToString();
     return fit;
   }
   fit.doubts = *doubts;
-  fit.predicted = *predicted;
-  fit.simulations = static_cast<int>(fit.doubts.free.size()) + 2;
+  fit.predicted = fit.doubts.predicted;
+  fit.simulations = static_cast<int>(fit.doubts.free.size()) + 1;
   return fit;
 }
 

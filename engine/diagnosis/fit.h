@@ -18,6 +18,7 @@ struct DoubtModel {
   std::vector<double> z0;       // where
   std::vector<double> freedom;  // by doubt: prior standard deviation in units of its spread; 0: fixed
   std::vector<int> free;        // the doubts with a column
+  Eigen::VectorXd predicted;    // there
   Eigen::MatrixXd jacobian;     // d predicted / d z
 };
 /// Forward differences about `at`, one simulation a free doubt.

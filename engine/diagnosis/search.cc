@@ -44,11 +44,9 @@ class Searching {
 
   Result<Found> Run() {
     Step("nominal run", 0.0);
-    const Result<Eigen::VectorXd> nominal = study_->Predict(study_->Nominal());
-    if (!nominal.ok()) return nominal.failure();
     const Result<DoubtModel> doubts = LineariseDoubts(*study_, study_->Nominal(), FreedomOf(*study_, {}));
     if (!doubts.ok()) return doubts.failure();
-    Whitener whitener(study_->channels(), study_->measured() - *nominal, 0);
+    Whitener whitener(study_->channels(), study_->measured() - doubts->predicted, 0);
     Fit null = Fitter(*study_, whitener).Evaluate({}, *doubts);
     if (!null.ok()) return Failure{null.broken, study_->plan().id};
     // Its size and then its colour without what the doubts explain.
@@ -177,9 +175,7 @@ class Searching {
     const Result<DoubtModel> doubts =
         LineariseDoubts(short_, {base.doubts.z0, base.hypothesis.effects}, base.doubts.freedom);
     if (!doubts.ok()) return {};
-    const Result<Eigen::VectorXd> at = short_.Predict({base.doubts.z0, base.hypothesis.effects});
-    if (!at.ok()) return {};
-    Whitener whitener(short_.channels(), short_.measured() - *at, 0);
+    Whitener whitener(short_.channels(), short_.measured() - doubts->predicted, 0);
     Fit fit;
     for (const int order : {0, Whitener::kOrder, Whitener::kOrder}) {
       fit = Fitter(short_, whitener).Evaluate(base.hypothesis.effects, *doubts);

@@ -267,6 +267,29 @@ BlockDiagonal Dense(const MatrixXd& A, double condition) {
   return form;
 }
 
+/// Through the real Schur form of a balanced A; `dense_fallback` without a form where nothing separates well.
+BlockDiagonal FromSchur(const MatrixXd& A) {
+  BlockDiagonal form;
+  MatrixXd Q, S, Y, N;
+  if (!CascadeSchur(A, Q, S)) {
+    form.condition = std::numeric_limits<double>::infinity();
+    form.dense_fallback = true;
+    return form;
+  }
+  // A cautious bound first loses nothing but time; where several moderate couplings pile up, tighter ones follow.
+  for (const double bound : {1e3, 1e2, 1e1}) {
+    Clusters clusters = SchurBlocks(S);
+    while (!TryDecouple(S, bound, clusters, Y, N)) {
+    }
+    Assemble(Q, clusters, Y, N, form);
+    if (form.condition <= BlockDiagonal::kWorstCondition) break;
+  }
+  const bool one_block = form.blocks.size() == 1 && A.rows() > 2;
+  form.dense_fallback = one_block || !(form.condition <= BlockDiagonal::kWorstCondition);
+  if (!form.dense_fallback) Refine(A, form);
+  return form;
+}
+
 }  // namespace
 
 int BlockDiagonal::pairs() const {
@@ -288,33 +311,15 @@ std::string BlockDiagonal::Summary() const {
 
 BlockDiagonal BlockDiagonalise(const MatrixXd& A) {
   assert(A.rows() == A.cols() && A.allFinite());
-  BlockDiagonal form;
-  if (A.rows() == 0) return form;
+  if (A.rows() == 0) return {};
   const VectorXd scale = BalancingScale(A);
   const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal();
-  const auto back = [&scale, &form] {
-    form.T = scale.asDiagonal() * form.T;
-    form.T_inverse = form.T_inverse * scale.cwiseInverse().asDiagonal();
-    return form;
-  };
-  if (std::optional<BlockDiagonal> near = FromPairs(balanced)) {
-    form = *std::move(near);
-    return back();
-  }
-  MatrixXd Q, S, Y, N;
-  if (!CascadeSchur(balanced, Q, S)) return Dense(A, std::numeric_limits<double>::infinity());
-  // A cautious bound first loses nothing but time; where several moderate couplings pile up, tighter ones follow.
-  for (const double bound : {1e3, 1e2, 1e1}) {
-    Clusters clusters = SchurBlocks(S);
-    while (!TryDecouple(S, bound, clusters, Y, N)) {
-    }
-    Assemble(Q, clusters, Y, N, form);
-    if (form.condition <= BlockDiagonal::kWorstCondition) break;
-  }
-  const bool one_block = form.blocks.size() == 1 && A.rows() > 2;
-  if (one_block || !(form.condition <= BlockDiagonal::kWorstCondition)) return Dense(A, form.condition);
-  Refine(balanced, form);
-  return back();
+  std::optional<BlockDiagonal> form = FromPairs(balanced);
+  if (!form) form = FromSchur(balanced);
+  if (form->dense_fallback) return Dense(A, form->condition);
+  form->T = scale.asDiagonal() * form->T;
+  form->T_inverse = form->T_inverse * scale.cwiseInverse().asDiagonal();
+  return *std::move(form);
 }
 
 }  // namespace dynoproof::mechanics

@@ -10,10 +10,9 @@
 #include <limits>
 #include <thread>
 
-#include "base/random.h"
+#include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
 #include "trace/csv.h"
-#include "trace/trace_io.h"
 
 namespace dynoproof::test {
 namespace {
@@ -28,23 +27,9 @@ class DiagnosedData : public ::testing::Test {
  protected:
   /// A record of line.toml with one number changed and white noise of 1 % of what the outputs swing.
   std::vector<Column> Record(const std::vector<std::string>& changes, std::uint64_t seed, double duration_s = 0.6) {
-    std::vector<std::string> run = {"run",       "line.toml", "--solver",
-                                    "reference", "--set",     "run.duration_s=" + std::to_string(duration_s)};
+    std::vector<std::string> run = {"line.toml", "--set", "run.duration_s=" + std::to_string(duration_s)};
     for (const std::string& change : changes) run.insert(run.end(), {"--set", change});
-    bench_.Call(run);
-    const Result<trace::Trace> trace = trace::ReadTrace(bench_ / "out/line.h5");
-    if (!trace.ok()) throw std::runtime_error(trace.failure().ToString());
-    std::vector<Column> columns = {{.name = "t", .unit = "s", .values = trace->time}};
-    for (const char* name : {"T_airgap", "T_shaft", "omega_1"}) {
-      columns.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
-      if (columns.size() == 2) continue;
-      std::vector<double>& values = columns.back().values;
-      double square = 0.0;
-      for (const double v : values) square += v * v / static_cast<double>(values.size());
-      for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] += 0.01 * std::sqrt(square) * RandomNormal(seed, columns.size(), i);
-    }
-    return columns;
+    return NoisyRecord(bench_, run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"}, 0.01, seed);
   }
   /// The record as a foreign system writes it: ms from 5 s on, the torque in kN m and of the other sign, revolutions
   /// per minute, own names.

@@ -15,7 +15,8 @@ namespace dynoproof::test {
 /// noise of `noise` of what they swing on the outputs.
 inline std::vector<trace::Column> NoisyRecord(const Bench& bench, std::vector<std::string> run, const std::string& file,
                                               const std::vector<std::string>& inputs,
-                                              const std::vector<std::string>& outputs, double noise = 0.01) {
+                                              const std::vector<std::string>& outputs, double noise = 0.01,
+                                              std::uint64_t seed = 3) {
   run.insert(run.begin(), "run");
   run.insert(run.end(), {"--solver", "reference"});
   const Outcome outcome = bench.Call(run);
@@ -29,7 +30,7 @@ inline std::vector<trace::Column> NoisyRecord(const Bench& bench, std::vector<st
     columns.push_back({.name = name, .unit = "", .values = trace->Find(name)->values});
     std::vector<double>& values = columns.back().values;
     const double size = noise * score::StandardDeviation(values);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += size * RandomNormal(3, stream, i);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += size * RandomNormal(seed, stream, i);
     ++stream;
   }
   return columns;
