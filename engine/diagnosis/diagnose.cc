@@ -13,6 +13,7 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kTrainingShare = 0.7;
+constexpr double kTwoSided95 = 1.959964;
 constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
 
 class Diagnosing {
@@ -68,7 +69,9 @@ class Diagnosing {
       }
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
       if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
-      if ((s.significant || beyond) && !within) standing.push_back(fit);
+      const bool nothing = IsNothing(fit);
+      if (nothing) considered.why_not = "its size cannot be told from none";
+      if ((s.significant || beyond) && !within && !nothing) standing.push_back(fit);
     }
     fits = std::move(standing);
     const bool rest = AnyFound(structure);
@@ -79,10 +82,17 @@ class Diagnosing {
     result_.at_noise_floor = !rest;
     const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
-      const bool agrees = !rest && strained.empty();
+      double farthest = 0.0;
+      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+        if (!study_.doubts()[i].start) farthest = std::max(farthest, std::abs(null.hypothesis.z[i]));
+      }
+      const bool agrees = !rest && strained.empty() && farthest < kBeyondDoubt;
       result_.verdict = agrees ? Verdict::kNoEffect : Verdict::kUnexplained;
       result_.reason =
           agrees ? "the data agree with the model within the doubt about its nominal values"
+          : !rest && strained.empty()
+              ? fmt::format("the data agree with the model only where a nominal value lies {:.0f} spreads off",
+                            farthest)
           : rest ? "the residual follows the inputs or has a line, and no candidate accounts for it"
                  : fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
                                fmt::join(strained, ", "));
@@ -104,6 +114,24 @@ class Diagnosing {
       result_.reason = count > 1 ? "these data cannot tell the candidates apart"
                                  : "the residual is at the noise floor with it, and with nothing else";
     }
+  }
+
+  /// Whether an effect of the fit has no strength whose interval leaves out the neutral value: what is gained then
+  /// comes from computing the nominal model another way.
+  static bool IsNothing(const Fit& fit) {
+    Eigen::Index k = 0;
+    for (const Assumed& assumed : fit.hypothesis.effects) {
+      bool any = false, strength = false;
+      for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
+        const EffectParameter& p = assumed.effect->info().parameters[i];
+        if (!std::isfinite(p.neutral)) continue;
+        strength = true;
+        any = any || std::abs(assumed.parameters[i] - p.neutral) >
+                         kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k)));
+      }
+      if (strength && !any) return true;
+    }
+    return false;
   }
 
   /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.
@@ -174,7 +202,7 @@ class Diagnosing {
       found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
       for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
         const EffectParameter& p = assumed.effect->info().parameters[i];
-        const double half = 1.959964 * std::sqrt(std::max(0.0, best.covariance(k, k)));
+        const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k)));
         found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
                                     std::max(p.lower, assumed.parameters[i] - half),
                                     std::min(p.upper, assumed.parameters[i] + half)});

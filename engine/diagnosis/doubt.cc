@@ -89,10 +89,14 @@ std::vector<Doubt> DoubtsOf(const Plan& plan) {
   return doubts;
 }
 
+double DeviateOf(const Doubt& doubt, double change) { return std::log1p(std::max(change, -0.999)) / doubt.spread; }
+
+double ChangeOf(const Doubt& doubt, double z) { return std::expm1(std::clamp(doubt.spread * z, -7.0, 7.0)); }
+
 DoubtValue ValueOf(const Doubt& doubt, double z, const Plan& plan) {
   const Value* found = plan.root.FindPath(doubt.path);
   const double nominal = found != nullptr && found->is_number() ? found->number() : 0.0;
-  if (doubt.relative) return {nominal, nominal * std::max(1e-3, 1.0 + doubt.spread * z)};
+  if (doubt.relative) return {nominal, nominal * (1.0 + ChangeOf(doubt, z))};
   const double value = nominal + doubt.spread * z;
   return {nominal, doubt.only_wide ? std::max(0.0, value) : value};  // dampings are never negative
 }

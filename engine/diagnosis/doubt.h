@@ -12,11 +12,12 @@
 
 namespace dynoproof::diagnosis {
 
-/// One doubtful number of a plan: value = nominal (1 + spread z), or nominal + spread z, with z standard normal.
+/// One doubtful number of a plan: value = nominal exp(spread z), or nominal + spread z, with z standard normal. The
+/// logarithm keeps masses positive and makes half as unlikely as twice, however wide the doubt.
 struct Doubt {
   std::string path;  // "plant.inertia.I5"
   bool relative = true;
-  double spread = 0.0;     // of the value over its nominal, or in its own unit
+  double spread = 0.0;     // of the logarithm, or in its own unit
   bool start = false;      // belongs to the record, not to the model
   std::string effect, at;  // the effect and place that change the same number; empty: none
   bool only_wide = false;  // free only where a hypothesis changes the structure
@@ -29,8 +30,13 @@ inline constexpr double kWithinDoubt = 3.5;
 std::vector<Doubt> DoubtsOf(const Plan& plan);
 
 /// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
-/// passed over, and so is what would turn a positive number negative.
+/// passed over.
 void ApplyDoubts(const std::vector<Doubt>& doubts, const std::vector<double>& z, Plan& plan);
+
+/// The deviate that changes a relative doubt's number by so much: nominal (1 + change).
+double DeviateOf(const Doubt& doubt, double change);
+/// And back: the change that belongs to a deviate.
+double ChangeOf(const Doubt& doubt, double z);
 
 /// The value at z = 0 and at z.
 struct DoubtValue {

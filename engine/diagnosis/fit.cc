@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "diagnosis/coordinates.h"
 #include "diagnosis/parallel.h"
 
 namespace dynoproof::diagnosis {
@@ -16,70 +17,6 @@ namespace {
 constexpr double kWide = 40.0;
 
 bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
-
-/// How a search sees the parameters: logarithms where the range spans decades and no value is neutral, else multiples
-/// of a natural step. All searched numbers are about 1 apart.
-class Coordinates {
- public:
-  explicit Coordinates(const std::vector<Assumed>& effects) : effects_(effects) {
-    for (const Assumed& assumed : effects) {
-      for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
-        const EffectParameter& p = assumed.effect->info().parameters[i];
-        Axis axis{p.lower, p.upper, 0.0, 1.0, false};
-        const double value = assumed.parameters[i];
-        axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
-        if (!axis.log) {
-          axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;
-          axis.scale = std::abs(value - axis.origin);
-          if (!(axis.scale > 0.0)) axis.scale = std::abs(p.start - axis.origin);
-          if (!(axis.scale > 0.0)) axis.scale = 1e-3 * (p.upper - p.lower);
-        }
-        axes_.push_back(axis);
-      }
-    }
-  }
-  std::size_t size() const { return axes_.size(); }
-  double lower(std::size_t i) const { return To(i, axes_[i].lower); }
-  double upper(std::size_t i) const { return To(i, axes_[i].upper); }
-  /// d value / d coordinate.
-  double Slope(std::size_t i, double value) const { return axes_[i].log ? value : axes_[i].scale; }
-  std::vector<double> Start() const {
-    std::vector<double> x;
-    for (const Assumed& assumed : effects_) {
-      for (const double value : assumed.parameters)
-        x.push_back(std::clamp(To(x.size(), value), lower(x.size()), upper(x.size())));
-    }
-    return x;
-  }
-  std::vector<Assumed> At(const double* x) const {
-    std::vector<Assumed> effects = effects_;
-    std::size_t k = 0;
-    for (Assumed& assumed : effects) {
-      for (double& value : assumed.parameters) {
-        const Axis& axis = axes_[k];
-        value = axis.log ? std::exp(x[k]) : axis.origin + axis.scale * x[k];
-        value = std::clamp(value, axis.lower, axis.upper);
-        ++k;
-      }
-    }
-    return effects;
-  }
-
- private:
-  struct Axis {
-    double lower, upper, origin, scale;
-    bool log;
-  };
-  double To(std::size_t i, double value) const {
-    return axes_[i].log ? std::log(value) : (value - axes_[i].origin) / axes_[i].scale;
-  }
-  std::vector<Assumed> effects_;
-  std::vector<Axis> axes_;
-};
-
-// Forward differences: the free run is smooth to some 1e-9 of its size for linear lines; a step of 1e-4 of a
-// parameter's own size stands far above that, and is small beside the width of a sharp resonance.
-constexpr double kStep = 1e-4;
 
 class FreeRunCost : public ceres::CostFunction {
  public:
@@ -105,10 +42,8 @@ class FreeRunCost : public ceres::CostFunction {
     ParallelFor(points.size(), 0, [&](std::size_t k) {
       std::vector<double> at(x, x + n);
       if (k > 0) {
-        double& moved = at[k - 1];
-        const double step = kStep * std::max(1.0, std::abs(moved));
-        steps[k - 1] = moved + step <= coordinates_.upper(k - 1) ? step : -step;
-        moved += steps[k - 1];
+        steps[k - 1] = coordinates_.Difference(k - 1, at[k - 1]);
+        at[k - 1] += steps[k - 1];
       }
       const Result<Eigen::VectorXd> predicted = study_.Predict({doubts_.z0, coordinates_.At(at.data())});
       if (!predicted.ok() || !predicted->allFinite()) {
@@ -213,16 +148,19 @@ std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& ef
   return freedom;
 }
 
+std::vector<int> FreeOf(const std::vector<double>& freedom) {
+  std::vector<int> free;
+  for (std::size_t i = 0; i < freedom.size(); ++i) {
+    if (freedom[i] > 0.0) free.push_back(static_cast<int>(i));
+  }
+  return free;
+}
+
 Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom) {
   DoubtModel model;
   model.z0 = at.z;
   model.freedom = std::move(freedom);
-  for (std::size_t i = 0; i < model.freedom.size(); ++i) {
-    if (model.freedom[i] > 0.0) model.free.push_back(static_cast<int>(i));
-  }
-  // Sharp resonances ring for a second: 1e-5 of a stiffness turns their phase by some 0.05 rad in that time, still
-  // linear; and stands far above the round-off of a free run.
-  constexpr double kDoubtStep = 1e-3;
+  model.free = FreeOf(model.freedom);
   std::vector<Eigen::VectorXd> points(model.free.size() + 1);
   std::mutex guard;
   Status failed;
@@ -248,14 +186,16 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
 Fit FitAt(const Study& study, Hypothesis hypothesis) {
   Fit fit;
   fit.hypothesis = std::move(hypothesis);
-  const Result<DoubtModel> doubts = LineariseDoubts(study, fit.hypothesis, FreedomOf(study, fit.hypothesis.effects));
-  if (!doubts.ok()) {
-    fit.broken = doubts.failure().ToString();
+  fit.doubts.z0 = fit.hypothesis.z;
+  fit.doubts.freedom = FreedomOf(study, fit.hypothesis.effects);
+  fit.doubts.free = FreeOf(fit.doubts.freedom);
+  fit.simulations = 1;
+  Result<Eigen::VectorXd> predicted = study.Predict(fit.hypothesis);
+  if (!predicted.ok() || !predicted->allFinite()) {
+    fit.broken = predicted.ok() ? "not finite" : predicted.failure().ToString();
     return fit;
   }
-  fit.doubts = *doubts;
-  fit.predicted = fit.doubts.predicted;
-  fit.simulations = static_cast<int>(fit.doubts.free.size()) + 1;
+  fit.predicted = fit.doubts.predicted = std::move(*predicted);
   return fit;
 }
 
@@ -328,54 +268,8 @@ Fit Fitter::Optimise(const std::vector<Assumed>& effects, const DoubtModel& doub
 
 void Fitter::Weigh(Fit& fit) const {
   fit.chi2 = whitener_(study_.measured() - fit.predicted).squaredNorm() + PriorChi2(fit);
-  fit.log_det = Projection(fit.doubts, whitener_).log_det();
+  fit.log_det = fit.doubts.jacobian.size() > 0 ? Projection(fit.doubts, whitener_).log_det() : 0.0;
   fit.criterion = fit.chi2 + fit.log_det + fit.parameters() * std::log(std::max(2.0, whitener_.rows()));
-}
-
-Fit Fitter::Polish(Fit fit, int rounds) const {
-  const auto simulate = [this](Fit& at) {
-    ++at.simulations;
-    const Result<Eigen::VectorXd> predicted = study_.Predict(at.hypothesis);
-    if (!predicted.ok() || !predicted->allFinite()) return false;
-    at.predicted = *predicted;
-    Weigh(at);
-    return true;
-  };
-  fit.settled = false;
-  if (!fit.ok() || !simulate(fit)) return fit;
-  for (int round = 0; round < rounds; ++round) {
-    const Result<DoubtModel> doubts =
-        LineariseDoubts(study_, fit.hypothesis, FreedomOf(study_, fit.hypothesis.effects));
-    if (!doubts.ok()) break;
-    Fit next = Optimise(fit.hypothesis.effects, *doubts, round == 0 ? 6 : 4);
-    next.simulations += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
-    if (!next.ok()) break;
-    const Hypothesis goal = next.hypothesis;
-    double share = 1.0;
-    bool better = false;
-    for (int halving = 0; halving < 4 && !better; ++halving, share *= 0.5) {
-      for (std::size_t i = 0; i < goal.z.size(); ++i)
-        next.hypothesis.z[i] = fit.hypothesis.z[i] + share * (goal.z[i] - fit.hypothesis.z[i]);
-      for (std::size_t e = 0; e < goal.effects.size(); ++e) {
-        for (std::size_t i = 0; i < goal.effects[e].parameters.size(); ++i) {
-          const double from = fit.hypothesis.effects[e].parameters[i];
-          next.hypothesis.effects[e].parameters[i] = from + share * (goal.effects[e].parameters[i] - from);
-        }
-      }
-      better = simulate(next) && next.chi2 < fit.chi2;
-    }
-    if (!better) {
-      fit.simulations = next.simulations;
-      fit.doubts = *doubts;
-      fit.settled = true;
-      break;
-    }
-    const bool settled = fit.chi2 - next.chi2 < 0.5;
-    fit = std::move(next);
-    fit.settled = settled;
-    if (settled) break;
-  }
-  return fit;
 }
 
 void Fitter::Derive(Fit& fit) const {
@@ -389,8 +283,7 @@ void Fitter::Derive(Fit& fit) const {
   ParallelFor(points.size(), 0, [&](std::size_t k) {
     std::vector<double> at = x;
     if (k > 0) {
-      const double step = kStep * std::max(1.0, std::abs(at[k - 1]));
-      steps[k - 1] = at[k - 1] + step <= coordinates.upper(k - 1) ? step : -step;
+      steps[k - 1] = coordinates.Difference(k - 1, at[k - 1]);
       at[k - 1] += steps[k - 1];
     }
     const Result<Eigen::VectorXd> predicted = study_.Predict({fit.hypothesis.z, coordinates.At(at.data())});

@@ -21,6 +21,11 @@ struct DoubtModel {
   Eigen::VectorXd predicted;    // there
   Eigen::MatrixXd jacobian;     // d predicted / d z
 };
+/// Step of their differences, in spreads. Sharp resonances ring for a second: 1e-6 of a stiffness turns their phase by
+/// some 0.005 rad in that time: linear; and it stands far above the round-off of a free run.
+inline constexpr double kDoubtStep = 1e-4;
+/// The doubts that have a column.
+std::vector<int> FreeOf(const std::vector<double>& freedom);
 /// Forward differences about `at`, one simulation a free doubt.
 Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom);
 /// The usual freedom of the doubts under a set of effects: 1; 0 for a number that an effect changes itself, and for
@@ -67,12 +72,15 @@ struct Fit {
   int parameters() const;
 };
 
-/// A hypothesis as it stands, with the doubts linearised about it; not weighed yet.
+/// A hypothesis as it stands, simulated; its doubts are not linearised and nothing is weighed yet.
 Fit FitAt(const Study& study, Hypothesis hypothesis);
 /// The noise's colour, as what a fit leaves has it; `order` 0: white.
 Whitener WhitenerOf(const Study& study, const Fit& fit, int order = Whitener::kOrder);
 /// What the doubts of a fit cost by their prior.
 double PriorChi2(const Fit& fit);
+
+/// What a search may move.
+enum class Moves { kAll, kDoubts };
 
 class Fitter {
  public:
@@ -85,9 +93,9 @@ class Fitter {
   Fit Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts, const Projection& projection) const;
   /// From the effects as given, within the bounds.
   Fit Optimise(const std::vector<Assumed>& effects, const DoubtModel& doubts, int iterations = 12) const;
-  /// Linearises the doubts about the fit and fits again, until nothing changes (or `rounds`). Each step is simulated,
-  /// and halved where it went too far: a resonance that moves by its own width is not linear any more.
-  Fit Polish(Fit fit, int rounds = 4) const;
+  /// Effects and doubts together, until nothing changes (or `rounds` steps): each is simulated, and shortened where it
+  /// went too far, because a resonance that moves by its own width is not linear any more.
+  Fit Polish(Fit fit, int rounds, Moves moves = Moves::kAll) const;
   /// The same fit under this whitener, without another simulation.
   void Weigh(Fit& fit) const;
   /// Jacobian and covariance of a fit; the covariance is that of white residuals (what the whitener makes of them).

@@ -108,7 +108,12 @@ Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& rows) const {
 }
 
 double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual) {
-  std::vector<double> power = Periodogram(residual);
+  // Without a window the ends of what rings on would leak up there.
+  const Eigen::ArrayXd phase = Eigen::ArrayXd::LinSpaced(residual.size(), 0.0, 2.0 * std::numbers::pi);
+  constexpr double kHannPower = 3.0 / 8.0;
+  const Eigen::VectorXd windowed =
+      (WithoutTrend(residual).array() * (0.5 - 0.5 * phase.cos())).matrix() / std::sqrt(kHannPower);
+  std::vector<double> power = Periodogram(windowed);
   const auto bins = static_cast<double>(power.size());
   const std::vector<double> band(power.begin() + static_cast<std::ptrdiff_t>(0.7 * bins),
                                  power.begin() + static_cast<std::ptrdiff_t>(0.95 * bins));
@@ -211,6 +216,10 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
       result.line_hz = static_cast<double>(peak - power.begin() + 1) / (static_cast<double>(count) * channel.step_s);
     }
     result.white_p_value = WhitePValue(alone, 40, 0);
+    result.size = rows.norm() / std::max(channel.spread, 1e-300) / std::sqrt(static_cast<double>(channel.count));
+    result.over_floor =
+        rows.norm() / std::sqrt(static_cast<double>(channel.count)) / std::max(HighFrequencyFloor(rows), 1e-300);
+    result.rings = WithoutTrend(target).squaredNorm() / std::max(before, 1e-300);
   }
   return found;
 }

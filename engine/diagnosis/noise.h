@@ -53,9 +53,18 @@ struct Structure {
   double line_hz = 0.0;
   double line_share = 0.0;     // of the whitened variance
   double white_p_value = 1.0;  // Ljung-Box on the whitened residual
+  double rings = 1.0;          // variance of the residual over that of its one-step prediction error
+  double over_floor = 1.0;     // RMS of the residual over HighFrequencyFloor()
+  double size = 0.0;           // RMS of the residual over the signal's spread
 
   /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.
-  bool found() const { return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005); }
+  bool found() const {
+    return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005) || Rings();
+  }
+  /// Follows from its own past nearly without error, as a resonance of the machine does, or is far larger than the
+  /// highest frequencies allow. Sensors' noise is not: of a first-order lag with 20 samples (pole 0.95) it is 10 times
+  /// its prediction error in variance, and 6 times the floor.
+  bool Rings() const { return (rings > 30.0 || over_floor > 12.0) && size > 1e-3; }
 };
 bool AnyFound(const std::vector<Structure>& structure);
 /// Regresses the one-step prediction error of every channel on what noise cannot know: the inputs, the predicted

@@ -13,8 +13,8 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kSearchRows = 2e4;       // a channel: where the search takes place, 2 s of a drive line
-constexpr std::size_t kCarried = 3;       // fits that go on from there to all training data
+constexpr double kSearchRows = 2e4;  // a channel: where the search takes place, 2 s of a drive line
+constexpr std::size_t kCarried = 4;  // fits that go on from there to all training data; an ambiguity set holds three
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
 constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
@@ -34,13 +34,15 @@ class Searching {
   Searching(const Study& study, const std::vector<MappedRecord>& data, double training_share,
             const SearchOptions& options)
       : whole_(study),
-        part_(PartOf(study)),
-        study_(part_ ? &*part_ : &whole_),
-        short_(ShortPlan(study.plan()), data, study.registry(), ShortShare(data, training_share),
-               study.decompositions()),
-        tiny_(study.plan(), data, study.registry(), 0.25 * ShortShare(data, training_share), study.decompositions()),
+        part_(Rough(study.plan()), study.records(), study.registry(), PartShare(study), study.decompositions()),
+        study_(&part_),
+        short_(Rough(study.plan()), data, study.registry(), ShortShare(data, training_share), study.decompositions()),
         options_(options),
-        saved_(options.out, options.resume, study) {}
+        saved_(options.out, options.resume, study) {
+    for (const double share : {1.0 / 27.0, 1.0 / 9.0, 1.0 / 3.0})
+      rungs_.emplace_back(Rough(study.plan()), study.records(), study.registry(), share * PartShare(study),
+                          study.decompositions());
+  }
 
   Result<Found> Run() {
     Step("nominal run", 0.0);
@@ -57,28 +59,34 @@ class Searching {
     // Candidates start from the nominal values as they are written: doubts that were driven to explain an effect would
     // hide it. Only as a hypothesis of its own does the nominal model get all the freedom of its doubts.
     const Fit base = null;
-    null = Warm(null);
-    null = Fitter(*study_, WhitenerOf(*study_, null, 0)).Polish(std::move(null), 3);
+    {
+      const Fitter fitter(*study_, WhitenerOf(*study_, null, 0));
+      Fit warm = Warm(null, fitter);
+      null = fitter.Polish(std::move(null), 3);
+      if (warm.ok() && warm.chi2 < null.chi2) null = std::move(warm);
+    }
 
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
     found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
     Suggest(Fitter(*study_, whitener), null, fits);
     SortAgain(fits, null);
-    Fit best = fits.empty() ? null : fits.front();
-    std::vector<Structure> structure = StructureOf(best);
-    if (!fits.empty() && AnyFound(structure)) {
-      // Before a second effect is called for, the first one gets the time it needs.
-      for (const int order : {0, 0, Whitener::kOrder})
-        best = Fitter(*study_, WhitenerOf(*study_, best, order)).Polish(best, 8);
+    Fit rough = fits.empty() ? null : fits.front();
+    std::vector<Structure> structure;
+    if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
+    if (AnyFound(structure)) {
+      // Before an effect is called for, or a second one, the machine gets the time it needs.
+      Fit& best = fits.empty() ? null : fits.front();
+      for (const int order : {0, Whitener::kOrder})
+        best = Fitter(*study_, WhitenerOf(*study_, best, order)).Polish(std::move(best), 8);
       const Fitter fitter(*study_, WhitenerOf(*study_, best));
-      fits.front() = best;
+      fitter.Weigh(null);
       for (Fit& fit : fits) fitter.Weigh(fit);
-      structure = StructureOf(best);
+      BestFirst(fits);
+      structure = StructureOf(fits.empty() ? null : fits.front());
     }
-    if (!fits.empty() && AnyFound(structure)) TryPairs(fits, null, best, structure);
-    if (part_) {
-      if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
+    if (!fits.empty() && AnyFound(structure)) {
+      if (Status failed = TryPairs(fits, null, rough, structure)) return *failed;
     }
     found_.null = std::move(null);
     found_.fits = std::move(fits);
@@ -88,17 +96,17 @@ class Searching {
   }
 
  private:
-  static Plan ShortPlan(Plan plan) {
-    plan.root["run"]["realtime"]["substeps"] = Value(2);
+  /// One substep a sample: what a nonlinear law costs falls by four, and a search does not need the last digits.
+  static Plan Rough(Plan plan) {
+    plan.root["run"]["realtime"]["substeps"] = Value(1);
     return plan;
   }
   /// Searching takes as long as the records are; what a line's behaviour can tell, its first seconds do.
-  static std::optional<Study> PartOf(const Study& whole) {
+  static double PartShare(const Study& whole) {
     const auto rows = static_cast<double>(whole.measured().size());
     const double channels = static_cast<double>(std::max<std::size_t>(1, whole.channels().size()));
     const double share = kSearchRows * channels / std::max(rows, 1.0);
-    if (share > 0.7) return std::nullopt;
-    return Study(whole.plan(), whole.records(), whole.registry(), share, whole.decompositions());
+    return share > 0.7 ? 1.0 : share;
   }
   static double ShortShare(const std::vector<MappedRecord>& data, double training_share) {
     double share = 0.3;
@@ -121,6 +129,7 @@ class Searching {
       saved_.KeepScreening(stage, screened);
     }
     for (const Screened& one : screened) simulations_ += one.simulations;
+    screened_ = screened;
     if (base.hypothesis.effects.empty()) found_.screened = screened;
     std::vector<Fit> fits;
     for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
@@ -135,9 +144,17 @@ class Searching {
       effects.push_back(candidate.At(one.parameters));
       Step("fitting " + candidate.ToString(),
            begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(fits.size()) / kFullFits));
-      Fit fit = OptimiseAfresh(fitter, effects, base);
-      simulations_ += fit.simulations;
-      if (fit.ok()) fits.push_back(std::move(fit));
+      // Its own size first, beside doubts that follow linearly: the screening saw it at a small one.
+      if (!saved_.Recall(effects)) {
+        const Fit sized = fitter.Optimise(effects, base.doubts, 8);
+        simulations_ += sized.simulations;
+        if (sized.ok()) effects = sized.hypothesis.effects;
+      }
+      Fit fit = FitAt(*study_, {base.doubts.z0, effects});
+      ++simulations_;
+      if (!fit.ok()) continue;
+      fitter.Weigh(fit);
+      fits.push_back(std::move(fit));
     }
     BestFirst(fits);
     return fits;
@@ -155,14 +172,13 @@ class Searching {
       if (effect == nullptr || !place) continue;
       const EffectParameter& delta = effect->info().parameters.front();
       Hypothesis at = null.hypothesis;
-      at.effects.push_back({effect, *place, {std::clamp(doubt.spread * at.z[i], delta.lower, delta.upper)}});
+      at.effects.push_back({effect, *place, {std::clamp(ChangeOf(doubt, at.z[i]), delta.lower, delta.upper)}});
       at.z[i] = 0.0;
-      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, FreedomOf(*study_, at.effects));
-      if (!doubts.ok()) continue;
       Step("fitting " + at.effects.back().ToString(), 0.5);
-      Fit fit = fitter.Optimise(at.effects, *doubts, 8);
-      simulations_ += fit.simulations + static_cast<int>(doubts->free.size()) + 1;
+      Fit fit = FitAt(*study_, std::move(at));
+      ++simulations_;
       if (!fit.ok()) continue;
+      fitter.Weigh(fit);
       std::erase_if(fits, [&](const Fit& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
       if (std::none_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); }))
         fits.push_back(std::move(fit));
@@ -192,85 +208,18 @@ class Searching {
     return screened;
   }
 
-  /// From the saved optimum where there is one. The doubts are those of the base, less the effect's own.
-  Fit OptimiseAfresh(const Fitter& fitter, std::vector<Assumed> effects, const Fit& base) {
-    const bool known = saved_.Recall(effects);
-    std::vector<double> freedom = FreedomOf(*study_, effects);
-    Hypothesis at{base.doubts.z0, effects};
-    if (freedom != base.doubts.freedom) {
-      // Another set of doubts: they are linearised about the effect itself.
-      const Result<DoubtModel> doubts = LineariseDoubts(*study_, at, freedom);
-      if (!doubts.ok()) return fitter.Evaluate(effects, base.doubts);
-      Fit fit = fitter.Optimise(effects, *doubts, known ? 2 : 8);
-      fit.simulations += static_cast<int>(doubts->free.size()) + 1;
-      saved_.Keep(fit.hypothesis.effects);
-      return fit;
-    }
-    Fit fit = fitter.Optimise(effects, base.doubts, known ? 2 : 8);
-    if (fit.ok()) saved_.Keep(fit.hypothesis.effects);
-    return fit;
-  }
-
-  /// With the noise's colour taken from the best fit, everything is fitted again: now differences count by their weight
-  /// against the noise, not against the effect itself.
+  /// Everything is fitted again, effects and doubts together, until the order no longer changes.
   void SortAgain(std::vector<Fit>& fits, Fit& null) {
     if (fits.empty()) return;
-    const auto each = [&](const Fitter& fitter, const std::string& what, double fraction, const auto& fit_again) {
-      for (std::size_t k = 0; k < fits.size(); ++k) {
-        const int before = fits[k].simulations;
-        if (!fit_again(k)) continue;
-        Step(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / kFullFits);
-        simulations_ += std::max(0, fits[k].simulations - before);
-        fitter.Weigh(fits[k]);
-      }
-      std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
-      BestFirst(fits);
-    };
-    // First as if the noise were white: the residual gets as small as it can. A colour taken from a fit that is not
-    // there yet would count what the fit lacks as noise, and stay there.
+    Race(fits, null);
+    if (fits.empty()) return;
+    Challenge(fits);
     {
-      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      BestFirst(fits);
-      each(fitter, "fitting over longer and longer parts: ", 0.5, [&](std::size_t k) {
-        if (k >= kWarmed || (k > 0 && fits[k].chi2 > kHopeless * fits.front().chi2)) return false;
-        fits[k] = Warm(fits[k]);
-        return true;
-      });
-      if (fits.empty()) return;
-    }
-    // A rival is not beaten before it has found its place: all that come anywhere near the best race on, round by
-    // round, as long as a round brings them a good part of the way to it. The size of the noise is taken anew each
-    // time: before the best one is there, the doubts' prior weighs too much.
-    std::set<std::string> out;
-    for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
-      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      BestFirst(fits);
-      Fit nominal = null;
-      fitter.Weigh(nominal);
-      const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
-      each(fitter, "fitting to the end: ", 0.56 + 0.02 * lap, [&](std::size_t k) {
-        const double gap = fits[k].chi2 - best;
-        if (out.contains(fits[k].Name()) || (k > 0 && gap > reach)) return false;
-        const double before = fits[k].chi2;
-        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 1);
-        if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
-        return true;
-      });
-      if (fits.empty()) return;
-      if (out.size() == fits.size() || std::all_of(fits.begin(), fits.end(), [&](const Fit& fit) {
-            return out.contains(fit.Name()) || fit.chi2 - fits.front().chi2 > reach;
-          }))
-        break;
-    }
-    {
+      // With the noise's colour taken from the best fit differences count by their weight against the noise.
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      BestFirst(fits);
-      each(fitter, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
+      Each(fitter, fits, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
         if (k >= kPolished || (k > 0 && fits[k].chi2 > kBeaten * fits.front().chi2)) return false;
-        fits[k] = fitter.Polish(std::move(fits[k]), k == 0 ? 3 : 2);
+        fits[k] = fitter.Polish(std::move(fits[k]), 4);
         return true;
       });
       if (fits.empty()) return;
@@ -289,6 +238,139 @@ class Searching {
     BestFirst(fits);
   }
 
+  /// Fits again those that `fit_again` takes up, and sorts.
+  template <class FitAgain>
+  void Each(const Fitter& fitter, std::vector<Fit>& fits, const std::string& what, double fraction,
+            const FitAgain& fit_again) {
+    for (Fit& fit : fits) fitter.Weigh(fit);
+    BestFirst(fits);
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      const int before = fits[k].simulations;
+      if (!fit_again(k)) continue;
+      Step(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / kFullFits);
+      simulations_ += std::max(0, fits[k].simulations - before);
+    }
+    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+    BestFirst(fits);
+  }
+
+  /// A rival is not beaten before it has found its place: all that come anywhere near the best race on, lap by lap, as
+  /// long as a lap brings them a good part of the way to it. As if the noise were white: the residual gets as small as
+  /// it can; a colour taken from a fit that is not there yet would count what it lacks as noise, and stay there. The
+  /// size of the noise is taken anew each time: before the best one is there, the doubts' prior weighs too much.
+  void Race(std::vector<Fit>& fits, const Fit& null) {
+    std::set<std::string> out;
+    for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      BestFirst(fits);
+      Fit nominal = null;
+      fitter.Weigh(nominal);
+      const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
+      Each(fitter, fits, "fitting to the end: ", 0.5 + 0.02 * lap, [&](std::size_t k) {
+        const double gap = fits[k].chi2 - best;
+        if (out.contains(fits[k].Name()) || (lap > 0 && k > 0 && gap > reach)) return false;
+        const double before = fits[k].chi2;
+        if (lap == 0 && k > 0 && AtFloor(fits.front())) return false;
+        fits[k] = fitter.Polish(std::move(fits[k]), 3);
+        if (fits[k].ok()) saved_.Keep(fits[k].hypothesis.effects);
+        // The doubts may have run off before the effect had its size: once more from the nominal values.
+        if (lap == 0 && (k == 0 || (k < kWarmed && !AtFloor(fits[k])))) {
+          Fit anew = fits[k];
+          anew.hypothesis.z = study_->Nominal().z;
+          Fit warm = Warm(anew, fitter);
+          if (warm.ok() && warm.chi2 < fits[k].chi2) fits[k] = std::move(warm);
+          if (!AtFloor(fits[k])) {
+            anew = fitter.Polish(std::move(anew), 3);
+            if (anew.ok() && anew.chi2 < fits[k].chi2) fits[k] = std::move(anew);
+          }
+        }
+        if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
+        return true;
+      });
+      // Nothing is left to gain: who does as well beside the same doubts is asked next.
+      if (fits.empty() || AtFloor(fits.front())) return;
+    }
+  }
+
+  /// Whether all that a fit leaves is white noise, as large as its highest frequencies say.
+  bool AtFloor(const Fit& fit) const {
+    constexpr double kNear = 1.2;
+    if (!fit.ok() || fit.predicted.size() == 0) return false;
+    const Eigen::VectorXd residual = study_->measured() - fit.predicted;
+    return std::all_of(study_->channels().begin(), study_->channels().end(), [&](const Channel& channel) {
+      const auto rows = residual.segment(channel.begin, channel.count);
+      return rows.norm() < kNear * HighFrequencyFloor(rows) * std::sqrt(static_cast<double>(channel.count));
+    });
+  }
+
+  /// Who could do the same beside the doubts as the best one leaves them? Other effects at its place (of laws that
+  /// contain one another the simplest must win), the same effect at other places, and those next in the order.
+  void Challenge(std::vector<Fit>& fits) {
+    std::set<std::string> asked;
+    for (int round = 0; round < 2; ++round) {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
+      for (Fit& fit : fits) fitter.Weigh(fit);
+      const Fit best = fits.front();
+      const Assumed& last = best.hypothesis.effects.back();
+      std::vector<Assumed> challengers;
+      for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
+      for (const Screened& one : screened_) {
+        if (!one.promising) break;
+        const Candidate& candidate = found_.candidates[one.candidate];
+        const bool same = candidate.effect == last.effect;
+        if (same == (candidate.place == last.place)) continue;  // neither, or the best one itself
+        challengers.push_back(candidate.At(same ? last.parameters : one.parameters));
+      }
+      const Result<DoubtModel> doubts = DoubtsBeside(best);
+      if (!doubts.ok()) return;
+      for (const Assumed& challenger : challengers) {
+        std::vector<Assumed> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
+        effects.push_back(challenger);
+        Fit fit = fitter.Optimise(effects, *doubts, 4);
+        simulations_ += fit.simulations;
+        if (!fit.ok() || fit.chi2 > kBeaten * best.chi2 || !asked.insert(best.Name() + "/" + fit.Name()).second)
+          continue;
+        const auto known =
+            std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
+        if (known != fits.end() && known->settled && known->chi2 < fit.chi2 + 1.0) continue;
+        Step("beside " + best.Name() + ": " + fit.Name(), 0.62);
+        for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+          const Doubt& doubt = study_->doubts()[i];
+          if (doubt.effect == challenger.effect->info().name && doubt.at == challenger.place.ToString())
+            fit.hypothesis.z[i] = 0.0;
+        }
+        fit.simulations = 0;
+        fit = fitter.Polish(std::move(fit), 6);
+        simulations_ += fit.simulations;
+        if (!fit.ok()) continue;
+        if (known == fits.end())
+          fits.push_back(std::move(fit));
+        else if (fit.chi2 < known->chi2)
+          *known = std::move(fit);
+      }
+      BestFirst(fits);
+      if (fits.front().Name() == best.Name() || best.criterion - fits.front().criterion < 1.0) return;
+    }
+  }
+
+  /// The doubts about the machine as a fit leaves it, every one of them free: if the fit itself says that a nominal
+  /// value has changed, that number is a doubt again.
+  Result<DoubtModel> DoubtsBeside(const Fit& fit) const {
+    Hypothesis about = fit.hypothesis;
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      const std::optional<double> z = AsDoubt(study_->doubts()[i], fit);
+      if (!z) continue;
+      about.z[i] = *z;
+      std::erase_if(about.effects, [&](const Assumed& assumed) {
+        return assumed.effect->info().name == study_->doubts()[i].effect &&
+               assumed.place.ToString() == study_->doubts()[i].at;
+      });
+    }
+    const std::vector<double> freedom = FreedomOf(*study_, about.effects);
+    return LineariseDoubts(*study_, about, freedom);
+  }
+
   /// A second effect that moves a nominal value by no more than its doubt is no effect: the doubts had not found their
   /// place yet. The first effect alone, with the doubt moved there.
   std::optional<Fit> FoldBack(const Fit& pair) {
@@ -297,7 +379,7 @@ class Searching {
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const Doubt& doubt = study_->doubts()[i];
         if (doubt.effect != moved.effect->info().name || doubt.at != moved.place.ToString()) continue;
-        const double z = moved.parameters.front() / doubt.spread;
+        const double z = DeviateOf(doubt, moved.parameters.front());
         if (std::abs(z) > kWithinDoubt) continue;
         Hypothesis at = pair.hypothesis;
         at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
@@ -312,47 +394,57 @@ class Searching {
     return std::nullopt;
   }
 
-  /// Carries a hypothesis to the full records over shorter ones. A sharp resonance that is off by more than its width
-  /// loses the phase within a second: over a short part the way to its true place is still downhill.
-  Fit Warm(const Fit& cold) {
+  /// Carries a hypothesis to the full records over shorter ones. A sharp mode beside its true frequency loses the phase
+  /// within a second, the best amplitude there is none, and no slope leads on: over a short part it is still downhill.
+  /// What is short tells modes, not effects; these are held at first.
+  Fit Warm(const Fit& cold, const Fitter& last) {
     Fit fit = cold;
-    for (const Study* study : {&tiny_, &short_, study_}) {
-      fit = FitAt(*study, std::move(fit.hypothesis));
+    for (const Study& rung : rungs_) {
+      if (rung.measured().size() < 50 * static_cast<Eigen::Index>(rung.channels().size())) continue;
+      fit = FitAt(rung, std::move(fit.hypothesis));
       if (!fit.ok()) return cold;
-      const Fitter fitter(*study, WhitenerOf(*study, fit, 0));
-      fit = fitter.Polish(std::move(fit), 2);
+      const bool modes = &rung != &rungs_.back();
+      fit = Fitter(rung, WhitenerOf(rung, fit, 0)).Polish(std::move(fit), 4, modes ? Moves::kDoubts : Moves::kAll);
       simulations_ += fit.simulations;
       if (!fit.ok()) return cold;
     }
-    return fit;
+    fit = FitAt(*study_, std::move(fit.hypothesis));
+    if (!fit.ok()) return cold;
+    fit = last.Polish(std::move(fit), 3);
+    simulations_ += fit.simulations;
+    return fit.ok() ? fit : cold;
   }
 
-  void TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& best, std::vector<Structure>& structure) {
-    const Fitter fitter(*study_, WhitenerOf(*study_, best));
-    Fit base = best;
+  /// `rough`: the best single effect where the search takes place.
+  Status TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& rough, std::vector<Structure>& structure) {
+    study_ = &part_;
+    const Fitter fitter(*study_, WhitenerOf(*study_, rough));
+    Fit base = rough, nominal = FitAt(*study_, null.hypothesis);
     fitter.Weigh(base);
     base.doubts.z0 = base.hypothesis.z;  // candidates are added at the optimum
     std::vector<Fit> pairs = FitBest(fitter, base, "two effects", 0.7, 0.95);
     if (pairs.size() > 3) pairs.resize(3);
-    if (pairs.empty()) return;
-    SortAgain(pairs, null);
-    if (pairs.empty()) return;
-    if (const std::optional<Fit> alone = FoldBack(pairs.front())) {
-      fits = {*alone};
-      structure = StructureOf(*alone);
-      return;
-    }
-    // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
-    std::vector<Structure> left = StructureOf(pairs.front());
+    SortAgain(pairs, nominal);
+    std::optional<Fit> alone = pairs.empty() ? std::nullopt : FoldBack(pairs.front());
+    if (alone) pairs = {std::move(*alone)};
+    std::vector<Structure> left;
+    if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
+    if (pairs.empty()) return {};
     const Fitter last(*study_, WhitenerOf(*study_, pairs.front()));
-    Fit alone = last.Polish(best, 6);
+    Fit best = last.Polish(fits.front(), 6);
     last.Weigh(pairs.front());
-    if (AnyFound(left) || alone.criterion - pairs.front().criterion < found_.threshold) {
+    // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
+    const double gain = best.criterion - pairs.front().criterion;
+    if (AnyFound(left) || gain < (pairs.front().hypothesis.effects.size() > 1 ? found_.threshold : 0.0)) {
       found_.partial = "no pair of effects accounts for the rest either";
-      return;
+      return {};
     }
     fits = std::move(pairs);
     structure = std::move(left);
+    last.Weigh(null);
+    last.Weigh(nominal);
+    if (nominal.chi2 < null.chi2) null = std::move(nominal);
+    return {};
   }
 
   /// Fits that stood on the part go on to all training data: the nominal model, and whatever is not far behind the
@@ -379,7 +471,8 @@ class Searching {
       fit = FitAt(*study_, std::move(fit.hypothesis));
       if (!fit.ok()) return;
       for (const int order : {0, Whitener::kOrder})
-        fit = Fitter(*study_, WhitenerOf(*study_, leader != nullptr ? *leader : fit, order)).Polish(std::move(fit), 3);
+        fit = Fitter(*study_, WhitenerOf(*study_, leader != nullptr ? *leader : fit, order))
+                  .Polish(std::move(fit), order > 0 ? 4 : 2);
     };
     for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
     std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
@@ -393,13 +486,15 @@ class Searching {
     return {};
   }
 
-  const Study& whole_;               // all that is for training
-  const std::optional<Study> part_;  // its first part, where the search takes place when the records are long
-  const Study* study_;               // where the fits stand now: the part, then the whole
-  const Study short_, tiny_;
+  const Study& whole_;        // all that is for training
+  const Study part_;          // where the search takes place: coarser, and its first part when the records are long
+  const Study* study_;        // where the fits stand now: the part, then the whole
+  const Study short_;         // where candidates are screened
+  std::vector<Study> rungs_;  // shorter and shorter parts, the shortest first
   const SearchOptions& options_;
   SavedFits saved_;
   Found found_;
+  std::vector<Screened> screened_;  // on top of what stood then
   int simulations_ = 0;
 };
 
@@ -417,7 +512,7 @@ Considered ConsideredOf(const Fit& fit) {
 std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit) {
   for (const Assumed& assumed : fit.hypothesis.effects) {
     if (doubt.effect == assumed.effect->info().name && doubt.at == assumed.place.ToString())
-      return assumed.parameters.front() / doubt.spread;
+      return DeviateOf(doubt, assumed.parameters.front());
   }
   return std::nullopt;
 }

@@ -42,6 +42,9 @@ TEST(SlowScreening, PlacesThatAnEffectHasReplacedArePassedOver) {
   ASSERT_NE(rotor, candidates.end());
   Fit base = FitAt(study, {std::vector<double>(study.doubts().size(), 0.0), {rotor->At(rotor->starts.front())}});
   ASSERT_TRUE(base.ok()) << base.broken;
+  const Result<DoubtModel> doubts = LineariseDoubts(study, base.hypothesis, base.doubts.freedom);
+  ASSERT_TRUE(doubts.ok());
+  base.doubts = *doubts;
   const Fitter fitter(study, WhitenerOf(study, base, 0));
   fitter.Weigh(base);
   const std::vector<Screened> screened = Screen(study, fitter, base, candidates, 50.0, [](double) {});

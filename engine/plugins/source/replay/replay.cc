@@ -91,15 +91,22 @@ Replay::Replay(Series series, const std::string& interpolation)
     : series_(std::move(series)),
       between_(interpolation == "linear"         ? Between::kLine
                : interpolation == "band_limited" ? Between::kBandLimited
-                                                 : Between::kHold) {}
+                                                 : Between::kHold) {
+  const std::vector<double>& times = *series_.time;
+  if (times.size() > 1) steps_per_s_ = (static_cast<double>(times.size()) - 1.0) / (times.back() - times.front());
+}
 
 double Replay::Value(double time_s) const {
   const std::vector<double>& times = *series_.time;
   const std::vector<double>& values = *series_.values;
-  const auto next = std::upper_bound(times.begin(), times.end(), time_s + kTimeSlack);
-  if (next == times.begin()) return values.front();
-  const std::size_t i = next - times.begin() - 1;
-  if (next == times.end() || between_ == Between::kHold) return values[i];
+  const double until = time_s + kTimeSlack;
+  if (until < times.front()) return values.front();
+  // Records mostly have equal steps: then the sample is where they say.
+  const double guess = std::clamp((until - times.front()) * steps_per_s_, 0.0, static_cast<double>(times.size() - 1));
+  auto i = static_cast<std::size_t>(guess);
+  if (times[i] > until || (i + 1 < times.size() && times[i + 1] <= until))
+    i = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), until) - times.begin()) - 1;
+  if (i + 1 == times.size() || between_ == Between::kHold) return values[i];
   if (between_ == Between::kBandLimited) return BandLimited(time_s);
   const double share = std::clamp((time_s - times[i]) / (times[i + 1] - times[i]), 0.0, 1.0);
   return values[i] + share * (values[i + 1] - values[i]);

@@ -43,6 +43,7 @@ class Replay : public Source {
 
   Series series_;
   enum class Between { kHold, kLine, kBandLimited } between_;
+  double steps_per_s_ = 0.0;  // mean
 };
 
 /// What is wrong with a series, or nothing.

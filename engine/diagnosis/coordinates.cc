@@ -1,0 +1,58 @@
+#include "diagnosis/coordinates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dynoproof::diagnosis {
+
+Coordinates::Coordinates(const std::vector<Assumed>& effects) : effects_(effects) {
+  for (const Assumed& assumed : effects) {
+    for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
+      const EffectParameter& p = assumed.effect->info().parameters[i];
+      Axis axis{p.lower, p.upper, 0.0, 1.0, false};
+      const double value = assumed.parameters[i];
+      axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
+      if (!axis.log) {
+        axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;
+        axis.scale = std::abs(value - axis.origin);
+        if (!(axis.scale > 0.0)) axis.scale = std::abs(p.start - axis.origin);
+        if (!(axis.scale > 0.0)) axis.scale = 1e-3 * (p.upper - p.lower);
+      }
+      axes_.push_back(axis);
+    }
+  }
+}
+
+std::vector<double> Coordinates::Start() const {
+  std::vector<double> x;
+  for (const Assumed& assumed : effects_) {
+    for (const double value : assumed.parameters)
+      x.push_back(std::clamp(To(x.size(), value), lower(x.size()), upper(x.size())));
+  }
+  return x;
+}
+
+std::vector<Assumed> Coordinates::At(const double* x) const {
+  std::vector<Assumed> effects = effects_;
+  std::size_t k = 0;
+  for (Assumed& assumed : effects) {
+    for (double& value : assumed.parameters) {
+      const Axis& axis = axes_[k];
+      value = axis.log ? std::exp(x[k]) : axis.origin + axis.scale * x[k];
+      value = std::clamp(value, axis.lower, axis.upper);
+      ++k;
+    }
+  }
+  return effects;
+}
+
+double Coordinates::Difference(std::size_t i, double x) const {
+  const double step = 1e-5 * std::max(1.0, std::abs(x));
+  return x + step <= upper(i) ? step : -step;
+}
+
+double Coordinates::To(std::size_t i, double value) const {
+  return axes_[i].log ? std::log(value) : (value - axes_[i].origin) / axes_[i].scale;
+}
+
+}  // namespace dynoproof::diagnosis
