@@ -82,10 +82,7 @@ class Diagnosing {
     result_.at_noise_floor = !rest;
     const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
-      double farthest = 0.0;
-      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-        if (!study_.doubts()[i].start) farthest = std::max(farthest, std::abs(null.hypothesis.z[i]));
-      }
+      const double farthest = Farthest(null);
       const bool agrees = !rest && strained.empty() && farthest < kBeyondDoubt;
       result_.verdict = agrees ? Verdict::kNoEffect : Verdict::kUnexplained;
       result_.reason =
@@ -106,6 +103,10 @@ class Diagnosing {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
                                    found_.partial.empty() ? "" : "; ", found_.partial);
+    } else if (const double farthest = Farthest(fits.front()); farthest > kBeyondDoubt) {
+      result_.verdict = Verdict::kUnexplained;
+      result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.0f} spreads off",
+                                   fits.front().Name(), farthest);
     } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("{} candidates account for the data alike", count);
@@ -114,6 +115,17 @@ class Diagnosing {
       result_.reason = count > 1 ? "these data cannot tell the candidates apart"
                                  : "the residual is at the noise floor with it, and with nothing else";
     }
+  }
+
+  /// How far the most doubtful nominal value lies off, in spreads that the hypothesis allows it.
+  double Farthest(const Fit& fit) const {
+    double farthest = 0.0;
+    for (const int i : fit.doubts.free) {
+      const auto k = static_cast<std::size_t>(i);
+      if (!study_.doubts()[k].start)
+        farthest = std::max(farthest, std::abs(fit.hypothesis.z[k]) / fit.doubts.freedom[k]);
+    }
+    return farthest;
   }
 
   /// Whether an effect of the fit has no strength whose interval leaves out the neutral value: what is gained then

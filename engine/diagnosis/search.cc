@@ -17,13 +17,12 @@ constexpr double kSearchRows = 2e4;  // a channel: where the search takes place,
 constexpr std::size_t kCarried = 4;  // fits that go on from there to all training data; an ambiguity set holds three
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
-constexpr std::size_t kPolished = 5;      // of these, those whose doubts are linearised anew
-constexpr std::size_t kWarmed = 3;        // and those that are carried up from the shortest part
+constexpr std::size_t kPolished = 5;      // of these, those that are fitted with the noise's colour
+constexpr std::size_t kWarmed = 3;        // and those that start anew from the shortest part
 constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
 constexpr int kLaps = 5;             // of the race to the end
 constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
-constexpr double kBeaten = 2.0;      // times the best one's chi2, when it has found its place: no rival any more
-constexpr double kHopeless = 6.0;    // times the best one's chi2, when nothing has been linearised anew yet
+constexpr double kBeaten = 2.0;      // times the best one's chi2 beside the same doubts: no rival any more
 
 void BestFirst(std::vector<Fit>& fits) {
   std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
