@@ -402,9 +402,9 @@ const eye = new IntersectionObserver((entries) => {
   }
 }, { rootMargin: '300px' });
 for (const host of document.querySelectorAll('.plot')) eye.observe(host);
-const open = () => [...document.querySelectorAll('.plot')].filter((host) => !host.closest('details:not([open])'));
+const unfolded = () => [...document.querySelectorAll('.plot')].filter((host) => !host.closest('details:not([open])'));
 // A few are drawn at once: what turns a page into a picture does not scroll.
-if (open().length <= 30) for (const host of open()) host.drawNow();
+if (unfolded().length <= 30) for (const host of unfolded()) host.drawNow();
 
 function redrawAll() {
   known.clear();
@@ -423,7 +423,7 @@ let before;
 addEventListener('beforeprint', () => {
   before = root.dataset.theme;
   root.dataset.theme = 'light';
-  for (const host of open()) host.drawNow();
+  for (const host of unfolded()) host.drawNow();
   redrawAll();
 });
 addEventListener('afterprint', () => {

@@ -83,16 +83,20 @@ class Diagnosing {
     const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
       const double farthest = Farthest(null);
-      const bool agrees = !rest && strained.empty() && farthest < kBeyondDoubt;
-      result_.verdict = agrees ? Verdict::kNoEffect : Verdict::kUnexplained;
-      result_.reason =
-          agrees ? "the data agree with the model within the doubt about its nominal values"
-          : !rest && strained.empty()
-              ? fmt::format("the data agree with the model only where a nominal value lies {:.0f} spreads off",
-                            farthest)
-          : rest ? "the residual follows the inputs or has a line, and no candidate accounts for it"
-                 : fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
-                               fmt::join(strained, ", "));
+      result_.verdict = Verdict::kUnexplained;
+      if (rest) {
+        result_.reason =
+            "the residual follows the inputs, has a line or is too large for noise, and no candidate accounts for it";
+      } else if (!strained.empty()) {
+        result_.reason = fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
+                                     fmt::join(strained, ", "));
+      } else if (farthest >= kBeyondDoubt) {
+        result_.reason =
+            fmt::format("the data agree with the model only where a nominal value lies {:.0f} spreads off", farthest);
+      } else {
+        result_.verdict = Verdict::kNoEffect;
+        result_.reason = "the data agree with the model within the doubt about its nominal values";
+      }
       return;
     }
     alike_ = AmbiguitySet(fits, found_.threshold);

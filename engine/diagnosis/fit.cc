@@ -130,6 +130,10 @@ int Fit::parameters() const {
   return static_cast<int>(count);
 }
 
+bool Changes(const Assumed& assumed, const Doubt& doubt) {
+  return assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at;
+}
+
 std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects) {
   std::vector<double> freedom;
   const bool wide = std::any_of(effects.begin(), effects.end(), ChangesStructure);
@@ -141,7 +145,7 @@ std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& ef
     if (changed.root.FindPath(doubt.path.substr(0, dot)) == nullptr) free = 0.0;
     if (doubt.relative && changed.root.FindPath(doubt.path) == nullptr) free = 0.0;
     for (const Assumed& assumed : effects) {
-      if (assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at) free = 0.0;
+      if (Changes(assumed, doubt)) free = 0.0;
     }
     freedom.push_back(free);
   }
@@ -183,19 +187,31 @@ Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std
   return model;
 }
 
+namespace {
+
+/// Simulates the hypothesis of a fit; false where it breaks.
+bool Run(const Study& study, Fit& fit) {
+  fit.simulations = 1;
+  Result<Eigen::VectorXd> predicted = study.Predict(fit.hypothesis);
+  if (!predicted.ok()) {
+    fit.broken = predicted.failure().ToString();
+  } else if (!predicted->allFinite()) {
+    fit.broken = "not finite";
+  } else {
+    fit.predicted = std::move(*predicted);
+  }
+  return fit.ok();
+}
+
+}  // namespace
+
 Fit FitAt(const Study& study, Hypothesis hypothesis) {
   Fit fit;
   fit.hypothesis = std::move(hypothesis);
   fit.doubts.z0 = fit.hypothesis.z;
   fit.doubts.freedom = FreedomOf(study, fit.hypothesis.effects);
   fit.doubts.free = FreeOf(fit.doubts.freedom);
-  fit.simulations = 1;
-  Result<Eigen::VectorXd> predicted = study.Predict(fit.hypothesis);
-  if (!predicted.ok() || !predicted->allFinite()) {
-    fit.broken = predicted.ok() ? "not finite" : predicted.failure().ToString();
-    return fit;
-  }
-  fit.predicted = fit.doubts.predicted = std::move(*predicted);
+  Run(study, fit);
   return fit;
 }
 
@@ -221,16 +237,10 @@ Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doub
   Fit fit;
   fit.hypothesis = {doubts.z0, effects};
   fit.doubts = doubts;
-  fit.simulations = 1;
-  const Result<Eigen::VectorXd> predicted = study_.Predict(fit.hypothesis);
-  if (!predicted.ok() || !predicted->allFinite()) {
-    fit.broken = predicted.ok() ? "not finite" : predicted.failure().ToString();
-    return fit;
-  }
-  const Eigen::VectorXd error = whitener_(study_.measured() - *predicted);
+  if (!Run(study_, fit)) return fit;
+  const Eigen::VectorXd error = whitener_(study_.measured() - fit.predicted);
   const Eigen::VectorXd shift = projection.Shift(error);
   fit.chi2 = projection.Residual(error, shift).squaredNorm();
-  fit.predicted = *predicted;
   if (shift.size() > 0) fit.predicted += doubts.jacobian * shift;
   for (std::size_t k = 0; k < doubts.free.size(); ++k)
     fit.hypothesis.z[static_cast<std::size_t>(doubts.free[k])] += shift[static_cast<Eigen::Index>(k)];

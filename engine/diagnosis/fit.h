@@ -72,6 +72,8 @@ struct Fit {
   int parameters() const;
 };
 
+/// Whether an effect changes the very number that a doubt is about.
+bool Changes(const Assumed& assumed, const Doubt& doubt);
 /// A hypothesis as it stands, simulated; its doubts are not linearised and nothing is weighed yet.
 Fit FitAt(const Study& study, Hypothesis hypothesis);
 /// The noise's colour, as what a fit leaves has it; `order` 0: white.

@@ -59,12 +59,12 @@ struct Structure {
 
   /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.
   bool found() const {
-    return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005) || Rings();
+    return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005) || TooLarge();
   }
   /// Follows from its own past nearly without error, as a resonance of the machine does, or is far larger than the
   /// highest frequencies allow. Sensors' noise is not: of a first-order lag with 20 samples (pole 0.95) it is 10 times
   /// its prediction error in variance, and 6 times the floor.
-  bool Rings() const { return (rings > 30.0 || over_floor > 12.0) && size > 1e-3; }
+  bool TooLarge() const { return (rings > 30.0 || over_floor > 12.0) && size > 1e-3; }
 };
 bool AnyFound(const std::vector<Structure>& structure);
 /// Regresses the one-step prediction error of every channel on what noise cannot know: the inputs, the predicted

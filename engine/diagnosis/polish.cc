@@ -82,8 +82,7 @@ class JointCost : public ceres::CostFunction {
     }
     at_.hypothesis = At(x);
     doubts.z0 = at_.hypothesis.z;
-    doubts.predicted = std::move(points[0]);
-    at_.predicted = doubts.predicted;
+    at_.predicted = std::move(points[0]);
     return jacobian.allFinite();  // two runs that stand may lie too far apart
   }
 
@@ -116,14 +115,19 @@ Fit Fitter::Polish(Fit fit, int rounds, Moves moves) const {
   if (!fit.ok()) return fit;
   fit.doubts.freedom = FreedomOf(study_, fit.hypothesis.effects);
   fit.doubts.free = FreeOf(fit.doubts.freedom);
+  fit.doubts.jacobian.resize(0, 0);  // another point's, if any
   const Coordinates coordinates(moves == Moves::kAll ? fit.hypothesis.effects : std::vector<Assumed>{});
-  const JointCost cost(study_, whitener_, coordinates, fit);
+  JointCost cost(study_, whitener_, coordinates, fit);
   std::vector<double> x = cost.Start();
   ceres::Problem::Options kept;
   kept.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(kept);
-  if (x.empty()) return fit;
-  problem.AddResidualBlock(const_cast<JointCost*>(&cost), nullptr, x.data());
+  if (x.empty()) {
+    fit.settled = true;
+    Weigh(fit);
+    return fit;
+  }
+  problem.AddResidualBlock(&cost, nullptr, x.data());
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     problem.SetParameterLowerBound(x.data(), static_cast<int>(i), coordinates.lower(i));
     problem.SetParameterUpperBound(x.data(), static_cast<int>(i), coordinates.upper(i));
@@ -138,7 +142,7 @@ Fit Fitter::Polish(Fit fit, int rounds, Moves moves) const {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (fit.doubts.predicted.size() == 0) {
+  if (fit.doubts.jacobian.rows() == 0) {  // not even the start, or a run beside it, stood
     fit.broken = summary.message;
     return fit;
   }

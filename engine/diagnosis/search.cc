@@ -27,6 +27,16 @@ constexpr double kBeaten = 2.0;      // times the best one's chi2 beside the sam
 void BestFirst(std::vector<Fit>& fits) {
   std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
 }
+/// Best first, all under one whitener.
+void Sort(const Fitter& fitter, std::vector<Fit>& fits) {
+  for (Fit& fit : fits) fitter.Weigh(fit);
+  BestFirst(fits);
+}
+
+/// Takes the other fit where it explains more.
+void KeepBetter(Fit& fit, Fit other) {
+  if (other.ok() && other.chi2 < fit.chi2) fit = std::move(other);
+}
 
 class Searching {
  public:
@@ -62,7 +72,7 @@ class Searching {
       const Fitter fitter(*study_, WhitenerOf(*study_, null, 0));
       Fit warm = Warm(null, fitter);
       null = fitter.Polish(std::move(null), 3);
-      if (warm.ok() && warm.chi2 < null.chi2) null = std::move(warm);
+      KeepBetter(null, std::move(warm));
     }
 
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
@@ -80,8 +90,7 @@ class Searching {
         best = Fitter(*study_, WhitenerOf(*study_, best, order)).Polish(std::move(best), 8);
       const Fitter fitter(*study_, WhitenerOf(*study_, best));
       fitter.Weigh(null);
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      BestFirst(fits);
+      Sort(fitter, fits);
       structure = StructureOf(fits.empty() ? null : fits.front());
     }
     if (!fits.empty() && AnyFound(structure)) {
@@ -122,18 +131,16 @@ class Searching {
   /// Screens every candidate on top of `base` and fits the best ones fully.
   std::vector<Fit> FitBest(const Fitter& fitter, const Fit& base, const std::string& what, double begin, double end) {
     const std::string stage = base.Name();
-    std::vector<Screened> screened = saved_.Screening(stage);
-    if (screened.empty()) {
-      screened = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
-      saved_.KeepScreening(stage, screened);
+    screened_ = saved_.Screening(stage);
+    if (screened_.empty()) {
+      screened_ = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
+      saved_.KeepScreening(stage, screened_);
     }
-    for (const Screened& one : screened) simulations_ += one.simulations;
-    screened_ = screened;
-    if (base.hypothesis.effects.empty()) found_.screened = screened;
+    for (const Screened& one : screened_) simulations_ += one.simulations;
+    if (base.hypothesis.effects.empty()) found_.screened = screened_;
     std::vector<Fit> fits;
-    for (std::size_t k = 0; k < screened.size() && fits.size() < kFullFits; ++k) {
-      const Screened& one = screened[k];
-      if (!one.promising) break;
+    for (const Screened& one : screened_) {
+      if (!one.promising || fits.size() == kFullFits) break;
       const Candidate& candidate = found_.candidates[one.candidate];
       std::vector<Assumed> effects = base.hypothesis.effects;
       if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
@@ -185,7 +192,7 @@ class Searching {
     BestFirst(fits);
   }
 
-  /// Screens on the first part of the records, with half the substeps: it only ranks.
+  /// Screens on the first part of the records: it only ranks.
   std::vector<Screened> ScreenShort(const Fit& base, const std::string& what, double begin, double end) {
     const Result<DoubtModel> doubts =
         LineariseDoubts(short_, {base.doubts.z0, base.hypothesis.effects}, base.doubts.freedom);
@@ -216,7 +223,8 @@ class Searching {
     {
       // With the noise's colour taken from the best fit differences count by their weight against the noise.
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
-      Each(fitter, fits, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
+      Sort(fitter, fits);
+      Each(fits, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
         if (k >= kPolished || (k > 0 && fits[k].chi2 > kBeaten * fits.front().chi2)) return false;
         fits[k] = fitter.Polish(std::move(fits[k]), 4);
         return true;
@@ -226,23 +234,15 @@ class Searching {
     const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
     // The nominal model gets every chance: also from where the doubts stand beside the best effect.
     Fit other = null;
-    other.hypothesis.z = fits.front().hypothesis.z;
-    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      if (const std::optional<double> z = AsDoubt(study_->doubts()[i], fits.front())) other.hypothesis.z[i] = *z;
-    }
+    other.hypothesis.z = Beside(fits.front()).z;
     null = fitter.Polish(std::move(null), 3);
-    other = fitter.Polish(std::move(other), 4);
-    if (other.ok() && other.chi2 < null.chi2) null = std::move(other);
-    for (Fit& fit : fits) fitter.Weigh(fit);
-    BestFirst(fits);
+    KeepBetter(null, fitter.Polish(std::move(other), 4));
+    Sort(fitter, fits);
   }
 
-  /// Fits again those that `fit_again` takes up, and sorts.
+  /// Fits again those that `fit_again` takes up, best first, and sorts.
   template <class FitAgain>
-  void Each(const Fitter& fitter, std::vector<Fit>& fits, const std::string& what, double fraction,
-            const FitAgain& fit_again) {
-    for (Fit& fit : fits) fitter.Weigh(fit);
-    BestFirst(fits);
+  void Each(std::vector<Fit>& fits, const std::string& what, double fraction, const FitAgain& fit_again) {
     for (std::size_t k = 0; k < fits.size(); ++k) {
       const int before = fits[k].simulations;
       if (!fit_again(k)) continue;
@@ -261,12 +261,11 @@ class Searching {
     std::set<std::string> out;
     for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      BestFirst(fits);
+      Sort(fitter, fits);
       Fit nominal = null;
       fitter.Weigh(nominal);
       const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
-      Each(fitter, fits, "fitting to the end: ", 0.5 + 0.02 * lap, [&](std::size_t k) {
+      Each(fits, "fitting to the end: ", 0.5 + 0.02 * lap, [&](std::size_t k) {
         const double gap = fits[k].chi2 - best;
         if (out.contains(fits[k].Name()) || (lap > 0 && k > 0 && gap > reach)) return false;
         const double before = fits[k].chi2;
@@ -277,12 +276,8 @@ class Searching {
         if (lap == 0 && (k == 0 || (k < kWarmed && !AtFloor(fits[k])))) {
           Fit anew = fits[k];
           anew.hypothesis.z = study_->Nominal().z;
-          Fit warm = Warm(anew, fitter);
-          if (warm.ok() && warm.chi2 < fits[k].chi2) fits[k] = std::move(warm);
-          if (!AtFloor(fits[k])) {
-            anew = fitter.Polish(std::move(anew), 3);
-            if (anew.ok() && anew.chi2 < fits[k].chi2) fits[k] = std::move(anew);
-          }
+          KeepBetter(fits[k], Warm(anew, fitter));
+          if (!AtFloor(fits[k])) KeepBetter(fits[k], fitter.Polish(std::move(anew), 3));
         }
         if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
         return true;
@@ -303,71 +298,74 @@ class Searching {
     });
   }
 
-  /// Who could do the same beside the doubts as the best one leaves them? Other effects at its place (of laws that
-  /// contain one another the simplest must win), the same effect at other places, and those next in the order.
+  /// Who could do the same beside the doubts as the best one leaves them?
   void Challenge(std::vector<Fit>& fits) {
     std::set<std::string> asked;
     for (int round = 0; round < 2; ++round) {
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
       for (Fit& fit : fits) fitter.Weigh(fit);
       const Fit best = fits.front();
-      const Assumed& last = best.hypothesis.effects.back();
-      std::vector<Assumed> challengers;
-      for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
-      for (const Screened& one : screened_) {
-        if (!one.promising) break;
-        const Candidate& candidate = found_.candidates[one.candidate];
-        const bool same = candidate.effect == last.effect;
-        if (same == (candidate.place == last.place)) continue;  // neither, or the best one itself
-        challengers.push_back(candidate.At(same ? last.parameters : one.parameters));
-      }
-      const Result<DoubtModel> doubts = DoubtsBeside(best);
+      const Hypothesis about = Beside(best);
+      const Result<DoubtModel> doubts = LineariseDoubts(*study_, about, FreedomOf(*study_, about.effects));
       if (!doubts.ok()) return;
-      for (const Assumed& challenger : challengers) {
+      for (const Assumed& challenger : ChallengersOf(fits)) {
         std::vector<Assumed> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
         effects.push_back(challenger);
         Fit fit = fitter.Optimise(effects, *doubts, 4);
         simulations_ += fit.simulations;
         if (!fit.ok() || fit.chi2 > kBeaten * best.chi2 || !asked.insert(best.Name() + "/" + fit.Name()).second)
           continue;
-        const auto known =
-            std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
-        if (known != fits.end() && known->settled && known->chi2 < fit.chi2 + 1.0) continue;
         Step("beside " + best.Name() + ": " + fit.Name(), 0.62);
-        for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-          const Doubt& doubt = study_->doubts()[i];
-          if (doubt.effect == challenger.effect->info().name && doubt.at == challenger.place.ToString())
-            fit.hypothesis.z[i] = 0.0;
-        }
-        fit.simulations = 0;
-        fit = fitter.Polish(std::move(fit), 6);
-        simulations_ += fit.simulations;
-        if (!fit.ok()) continue;
-        if (known == fits.end())
-          fits.push_back(std::move(fit));
-        else if (fit.chi2 < known->chi2)
-          *known = std::move(fit);
+        Answer(fitter, std::move(fit), fits);
       }
       BestFirst(fits);
       if (fits.front().Name() == best.Name() || best.criterion - fits.front().criterion < 1.0) return;
     }
   }
 
-  /// The doubts about the machine as a fit leaves it, every one of them free: if the fit itself says that a nominal
-  /// value has changed, that number is a doubt again.
-  Result<DoubtModel> DoubtsBeside(const Fit& fit) const {
+  /// Those that were fitted with the best one (the first); other effects at its place, because of laws that contain one
+  /// another the simplest must win; and the same effect at other places.
+  std::vector<Assumed> ChallengersOf(const std::vector<Fit>& fits) const {
+    const Assumed& last = fits.front().hypothesis.effects.back();
+    std::vector<Assumed> challengers;
+    for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
+    for (const Screened& one : screened_) {
+      if (!one.promising) break;
+      const Candidate& candidate = found_.candidates[one.candidate];
+      const bool same = candidate.effect == last.effect;
+      if (same == (candidate.place == last.place)) continue;  // neither, or the best one itself
+      challengers.push_back(candidate.At(same ? last.parameters : one.parameters));
+    }
+    return challengers;
+  }
+
+  /// Fits a challenger to the end, and takes it up where it is new or better than it was.
+  void Answer(const Fitter& fitter, Fit fit, std::vector<Fit>& fits) {
+    const auto known =
+        std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
+    if (known != fits.end() && known->settled && known->chi2 < fit.chi2 + 1.0) return;
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      if (Changes(fit.hypothesis.effects.back(), study_->doubts()[i])) fit.hypothesis.z[i] = 0.0;
+    }
+    fit.simulations = 0;
+    fit = fitter.Polish(std::move(fit), 6);
+    simulations_ += fit.simulations;
+    if (known != fits.end())
+      KeepBetter(*known, std::move(fit));
+    else if (fit.ok())
+      fits.push_back(std::move(fit));
+  }
+
+  /// The machine as a fit leaves it, for others to stand beside: if the fit itself says that a nominal value has
+  /// changed, that number is a doubt again.
+  Hypothesis Beside(const Fit& fit) const {
     Hypothesis about = fit.hypothesis;
     for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      const std::optional<double> z = AsDoubt(study_->doubts()[i], fit);
-      if (!z) continue;
-      about.z[i] = *z;
-      std::erase_if(about.effects, [&](const Assumed& assumed) {
-        return assumed.effect->info().name == study_->doubts()[i].effect &&
-               assumed.place.ToString() == study_->doubts()[i].at;
-      });
+      const Doubt& doubt = study_->doubts()[i];
+      if (const std::optional<double> z = AsDoubt(doubt, fit)) about.z[i] = *z;
+      std::erase_if(about.effects, [&](const Assumed& assumed) { return Changes(assumed, doubt); });
     }
-    const std::vector<double> freedom = FreedomOf(*study_, about.effects);
-    return LineariseDoubts(*study_, about, freedom);
+    return about;
   }
 
   /// A second effect that moves a nominal value by no more than its doubt is no effect: the doubts had not found their
@@ -377,7 +375,7 @@ class Searching {
       const Assumed& moved = pair.hypothesis.effects[e];
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const Doubt& doubt = study_->doubts()[i];
-        if (doubt.effect != moved.effect->info().name || doubt.at != moved.place.ToString()) continue;
+        if (!Changes(moved, doubt)) continue;
         const double z = DeviateOf(doubt, moved.parameters.front());
         if (std::abs(z) > kWithinDoubt) continue;
         Hypothesis at = pair.hypothesis;
@@ -478,8 +476,7 @@ class Searching {
     carry(null, fits.empty() ? nullptr : &fits.front());
     if (!null.ok()) return Failure{null.broken, study_->plan().id};
     const Fitter fitter(*study_, WhitenerOf(*study_, fits.empty() ? null : fits.front()));
-    for (Fit& fit : fits) fitter.Weigh(fit);
-    BestFirst(fits);
+    Sort(fitter, fits);
     found_.threshold = Threshold(fitter.whitener().rows(), found_.candidates.size());
     structure = StructureOf(fits.empty() ? null : fits.front());
     return {};
@@ -510,8 +507,7 @@ Considered ConsideredOf(const Fit& fit) {
 
 std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit) {
   for (const Assumed& assumed : fit.hypothesis.effects) {
-    if (doubt.effect == assumed.effect->info().name && doubt.at == assumed.place.ToString())
-      return DeviateOf(doubt, assumed.parameters.front());
+    if (Changes(assumed, doubt)) return DeviateOf(doubt, assumed.parameters.front());
   }
   return std::nullopt;
 }

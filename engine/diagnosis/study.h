@@ -41,8 +41,7 @@ struct Channel {
 
 class Study {
  public:
-  /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length, and only
-  /// rows from share `from` on count (the simulation always starts at the record's first row).
+  /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.
   /// `known`: decompositions that other studies of the same machine share.
   Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0,
         std::shared_ptr<mechanics::Decompositions> known = std::make_shared<mechanics::Decompositions>());

@@ -360,7 +360,7 @@ double UpperBound(int hits, int of) {
 int Run(const Suite& suite) {
   Registry registry;
   RegisterBuiltIns(registry);
-  std::map<std::string, std::map<std::string, int>> confusion;
+  std::map<std::string, std::map<std::string, int>> confusion, by_strength;
   std::map<std::string, std::pair<int, int>> covered;
   json all = json::array();
   double seconds = 0.0;
@@ -456,8 +456,8 @@ int Run(const Suite& suite) {
     seconds += took;
     const std::string row = hidden.kind == "effect" ? hidden.effect : "(" + hidden.kind + ")";
     ++confusion[row][outcome];
-    if (hidden.kind == "effect") ++confusion[hidden.strength < 1.0 ? "all, weak" : "all, full strength"][outcome];
     if (hidden.kind == "effect") {
+      ++by_strength[hidden.strength < 1.0 ? "all, weak" : "all, full strength"][outcome];
       ++effects;
       wrong += outcome == "wrong" ? 1 : 0;
     } else if (hidden.kind != "unknown") {
@@ -497,12 +497,14 @@ int Run(const Suite& suite) {
   std::cout << "\n"
             << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   inside 95 %\n", "truth", "right",
                            "in the set", "abstained", "missed", "wrong", "false alarm", "broken");
-  for (const auto& [row, outcomes] : confusion) {
-    const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
-    std::cout << fmt::format(
-        "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
-        count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
-        covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
+  for (const auto* rows : {&confusion, &by_strength}) {
+    for (const auto& [row, outcomes] : *rows) {
+      const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
+      std::cout << fmt::format(
+          "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
+          count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
+          covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
+    }
   }
   std::cout << fmt::format(
       "\n{} cases, {:.1f} s each; wrong cause {} of {} (95 % upper bound {:.1f} %), false alarms {} of {} ({:.1f} %)\n"
