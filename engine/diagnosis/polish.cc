@@ -40,59 +40,100 @@ class JointCost : public ceres::CostFunction {
   /// Where a Jacobian was asked for, `at` keeps the point, its prediction and the doubts' part of the Jacobian: the
   /// search asks for one at every point that it accepts.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const double* x = parameters[0];
+    const Eigen::Map<const Eigen::VectorXd> x(parameters[0], parameter_block_sizes()[0]);
+    const Eigen::Index rows = study_.measured().size(), m = Doubts(), p = x.size() - m;
     const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
-    const std::size_t p = coordinates_.size(), m = at_.doubts.free.size();
-    const Eigen::Index rows = study_.measured().size();
-    std::vector<Eigen::VectorXd> points(derive ? p + m + 1 : 1);
-    std::vector<double> steps(p + m, 0.0);
-    std::atomic<bool> good = true;
-    ParallelFor(points.size(), 0, [&](std::size_t k) {
-      std::vector<double> moved(x, x + p + m);
-      if (k > 0) {
-        steps[k - 1] = k <= p ? coordinates_.Difference(k - 1, moved[k - 1])
-                              : kDoubtStep / at_.doubts.freedom[Num(at_.doubts.free[k - 1 - p])];
-        moved[k - 1] += steps[k - 1];
-      }
-      Result<Eigen::VectorXd> predicted = study_.Predict(At(moved.data()));
-      if (predicted.ok() && predicted->allFinite())
-        points[k] = std::move(*predicted);
-      else
-        good = false;
-    });
-    at_.simulations += static_cast<int>(points.size());
-    if (!good) return false;
-    Eigen::Map<Eigen::VectorXd> out(residuals, rows + static_cast<Eigen::Index>(m));
-    out.head(rows) = whitener_(study_.measured() - points[0]);
-    out.tail(static_cast<Eigen::Index>(m)) = Eigen::Map<const Eigen::VectorXd>(x + p, static_cast<Eigen::Index>(m));
+    if (!(derive ? Derive(x) : Simulate(x))) return false;
+    Eigen::Map<Eigen::VectorXd> out(residuals, rows + m);
+    out.head(rows) = whitener_(study_.measured() - tried_.predicted);
+    out.tail(m) = x.tail(m);
     if (!derive) return true;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(
-        jacobians[0], out.size(), static_cast<Eigen::Index>(p + m));
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0],
+                                                                                                out.size(), p + m);
     jacobian.setZero();
-    DoubtModel& doubts = at_.doubts;
-    doubts.jacobian.resize(rows, static_cast<Eigen::Index>(m));
-    for (std::size_t k = 0; k < p + m; ++k) {
-      const auto column = static_cast<Eigen::Index>(k);
-      points[k + 1] = (points[k + 1] - points[0]) / steps[k];
-      jacobian.col(column).head(rows) = -whitener_(points[k + 1]);
+    at_.doubts.jacobian.resize(rows, m);
+    for (Eigen::Index k = 0; k < p + m; ++k) {
+      jacobian.col(k).head(rows) = -whitener_(slopes_.col(k));
       if (k < p) continue;
-      jacobian(rows + column - static_cast<Eigen::Index>(p), column) = 1.0;
-      doubts.jacobian.col(column - static_cast<Eigen::Index>(p)) =
-          points[k + 1] / doubts.freedom[Num(doubts.free[k - p])];
+      jacobian(rows + k - p, k) = 1.0;
+      at_.doubts.jacobian.col(k - p) = slopes_.col(k) / at_.doubts.freedom[Num(at_.doubts.free[Num(k - p)])];
     }
-    at_.hypothesis = At(x);
-    doubts.z0 = at_.hypothesis.z;
-    at_.predicted = std::move(points[0]);
+    at_.hypothesis = At(x.data());
+    at_.doubts.z0 = at_.hypothesis.z;
+    at_.predicted = tried_.predicted;
     return jacobian.allFinite();  // two runs that stand may lie too far apart
   }
 
+  /// Whether the last slopes are differences.
+  bool exact() const { return corrected_ == 0; }
+
  private:
-  static std::size_t Num(int i) { return static_cast<std::size_t>(i); }
+  struct Point {
+    Eigen::VectorXd x, predicted;
+  };
+
+  /// tried_ at x.
+  bool Simulate(const Eigen::VectorXd& x) const {
+    if (tried_.x.size() == x.size() && (tried_.x.array() == x.array()).all()) return true;
+    ++at_.simulations;
+    Result<Eigen::VectorXd> predicted = study_.Predict(At(x.data()));
+    if (!predicted.ok() || !predicted->allFinite()) return false;
+    tried_ = {x, *std::move(predicted)};
+    return true;
+  }
+
+  /// tried_ and slopes_ at x. As long as the slopes foretell most of each step they are corrected by what they missed
+  /// (Broyden 1965), which costs nothing; else, and every few steps, taken anew by differences.
+  bool Derive(const Eigen::VectorXd& x) const {
+    constexpr double kForetold = 0.2;
+    constexpr int kMostInARow = 3;
+    if (!Simulate(x)) return false;
+    if (derived_.x.size() == x.size() && corrected_ < kMostInARow) {
+      const Eigen::VectorXd step = x - derived_.x;
+      const Eigen::VectorXd change = tried_.predicted - derived_.predicted;
+      const Eigen::VectorXd missed = change - slopes_ * step;
+      if (whitener_(missed).norm() < kForetold * whitener_(change).norm()) {
+        slopes_ += missed * (step / step.squaredNorm()).transpose();
+        ++corrected_;
+        derived_ = tried_;
+        return true;
+      }
+    }
+    corrected_ = 0;
+    derived_ = tried_;
+    return Differences(x);
+  }
+
+  bool Differences(const Eigen::VectorXd& x) const {
+    const Eigen::Index p = static_cast<Eigen::Index>(coordinates_.size());
+    slopes_.resize(study_.measured().size(), x.size());
+    std::atomic<bool> good = true;
+    ParallelFor(Num(x.size()), 0, [&](std::size_t k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      Eigen::VectorXd moved = x;
+      const double step = column < p ? coordinates_.Difference(k, x[column])
+                                     : kDoubtStep / at_.doubts.freedom[Num(at_.doubts.free[Num(column - p)])];
+      moved[column] += step;
+      const Result<Eigen::VectorXd> predicted = study_.Predict(At(moved.data()));
+      if (predicted.ok() && predicted->allFinite())
+        slopes_.col(column) = (*predicted - tried_.predicted) / step;
+      else
+        good = false;
+    });
+    at_.simulations += static_cast<int>(x.size());
+    return good;
+  }
+
+  static std::size_t Num(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
   const Study& study_;
   const Whitener& whitener_;
   const Coordinates& coordinates_;
   Fit& at_;
+  // What is known of the points the search has been at: it asks for residuals first, then there for slopes.
+  mutable Point tried_, derived_;
+  mutable Eigen::MatrixXd slopes_;  // of the prediction at derived_, by column of x
+  mutable int corrected_ = 0;       // times since the last differences
 };
 
 /// Ends the search after so many accepted steps; what is tried and rejected costs one simulation.
@@ -146,7 +187,7 @@ Fit Fitter::Polish(Fit fit, int rounds, Moves moves) const {
     fit.broken = summary.message;
     return fit;
   }
-  fit.settled = summary.termination_type == ceres::CONVERGENCE;
+  fit.settled = summary.termination_type == ceres::CONVERGENCE && cost.exact();
   Weigh(fit);
   return fit;
 }

@@ -3,14 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <numeric>
 #include <optional>
 
+#include "mechanics/block_cascade.h"
 #include "mechanics/block_newton.h"
 
 namespace dynoproof::mechanics {
@@ -42,52 +40,6 @@ VectorXd BalancingScale(const MatrixXd& A) {
     }
   }
   return scale;
-}
-
-/// An order of the states in which A is block upper triangular, one strongly connected set of states a block.
-struct Cascade {
-  std::vector<int> order;
-  std::vector<int> starts;  // first place of each set in `order`, and n at the end
-};
-
-Cascade FindCascade(const MatrixXd& A) {
-  const int n = static_cast<int>(A.rows());
-  // Bit j of reach[i]: j acts on i, through any number of states (Warshall's closure).
-  const int words = (n + 63) / 64;
-  std::vector<std::vector<std::uint64_t>> reach(n, std::vector<std::uint64_t>(words, 0));
-  const auto acts = [&reach](int i, int j) { return (reach[i][j / 64] >> (j % 64) & 1) != 0; };
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      if (i == j || A(i, j) != 0.0) reach[i][j / 64] |= std::uint64_t{1} << (j % 64);
-    }
-  }
-  for (int k = 0; k < n; ++k) {
-    for (int i = 0; i < n; ++i) {
-      if (!acts(i, k)) continue;
-      for (int w = 0; w < words; ++w) reach[i][w] |= reach[k][w];
-    }
-  }
-  std::vector<int> first(n), influences(n, 0);  // smallest state of the set; how many states act on it
-  for (int i = 0; i < n; ++i) {
-    first[i] = i;
-    for (int j = i - 1; j >= 0; --j) {
-      if (acts(i, j) && acts(j, i)) first[i] = j;
-    }
-    for (const std::uint64_t word : reach[i]) influences[i] += std::popcount(word);
-  }
-  Cascade cascade;
-  cascade.order.resize(n);
-  std::iota(cascade.order.begin(), cascade.order.end(), 0);
-  // A state that feels another without acting back feels strictly more states, so it comes first.
-  std::sort(cascade.order.begin(), cascade.order.end(), [&](int a, int b) {
-    if (influences[a] != influences[b]) return influences[a] > influences[b];
-    return first[a] != first[b] ? first[a] < first[b] : a < b;
-  });
-  for (int i = 0; i < n; ++i) {
-    if (i == 0 || first[cascade.order[i]] != first[cascade.order[i - 1]]) cascade.starts.push_back(i);
-  }
-  cascade.starts.push_back(n);
-  return cascade;
 }
 
 /// Q with Q^T A Q = S quasi upper triangular; false when an eigenvalue iteration did not converge.
@@ -312,6 +264,7 @@ std::string BlockDiagonal::Summary() const {
 BlockDiagonal BlockDiagonalise(const MatrixXd& A) {
   assert(A.rows() == A.cols() && A.allFinite());
   if (A.rows() == 0) return {};
+  if (std::optional<BlockDiagonal> form = FromSets(A)) return *std::move(form);
   const VectorXd scale = BalancingScale(A);
   const MatrixXd balanced = scale.cwiseInverse().asDiagonal() * A * scale.asDiagonal();
   std::optional<BlockDiagonal> form = FromPairs(balanced);

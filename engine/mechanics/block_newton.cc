@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "mechanics/matrix_product.h"
+
 namespace dynoproof::mechanics {
 
 using Eigen::Matrix2d;
@@ -70,22 +72,37 @@ Matrix2d PairSylvester(const Matrix2d& F, const Matrix2d& G, const Matrix2d& H) 
   return X;
 }
 
-/// A T, which is mostly zeros where A is a network's.
-template <class Residual>
-Eigen::Matrix<Residual, Eigen::Dynamic, Eigen::Dynamic> Product(const MatrixXd& A, const MatrixXd& T) {
-  if constexpr (std::is_same_v<Residual, double>) {
-    return A * T;
-  } else {
-    using Matrix = Eigen::Matrix<Residual, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Matrix wide = T.cast<Residual>();
-    Matrix product = Matrix::Zero(A.rows(), T.cols());
-    for (Eigen::Index i = 0; i < A.rows(); ++i) {
-      for (Eigen::Index k = 0; k < A.cols(); ++k) {
-        if (A(i, k) != 0.0) product.row(i) += static_cast<Residual>(A(i, k)) * wide.row(k);
-      }
+MatrixXd Product(const MatrixXd& A, const MatrixXd& T, double /*residual*/) { return Multiply(A, T); }
+
+/// A is mostly zeros where it is a network's. Four columns at a time: one sum would wait for itself.
+Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic> Product(const MatrixXd& A, const MatrixXd& T,
+                                                                   long double /*residual*/) {
+  constexpr Eigen::Index kColumns = 4;
+  const Eigen::Index n = A.rows();
+  Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic> product(n, T.cols());
+  std::vector<std::pair<Eigen::Index, double>> row;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    row.clear();
+    for (Eigen::Index k = 0; k < A.cols(); ++k) {
+      if (A(i, k) != 0.0) row.emplace_back(k, A(i, k));
     }
-    return product;
+    for (Eigen::Index j = 0; j < T.cols(); j += kColumns) {
+      const Eigen::Index last = T.cols() - 1;
+      const double* const t[kColumns] = {&T(0, j), &T(0, std::min(j + 1, last)), &T(0, std::min(j + 2, last)),
+                                         &T(0, std::min(j + 3, last))};
+      long double sum0 = 0.0L, sum1 = 0.0L, sum2 = 0.0L, sum3 = 0.0L;
+      for (const auto& [k, value] : row) {
+        const long double a = value;
+        sum0 += a * t[0][k];
+        sum1 += a * t[1][k];
+        sum2 += a * t[2][k];
+        sum3 += a * t[3][k];
+      }
+      const long double sums[kColumns] = {sum0, sum1, sum2, sum3};
+      for (Eigen::Index c = 0; c < kColumns && j + c < T.cols(); ++c) product(i, j + c) = sums[c];
+    }
   }
+  return product;
 }
 
 }  // namespace
@@ -95,13 +112,13 @@ constexpr double kRoundOff = 1e-13, kTurned = 1e-8;  // of an eigenvalue; of a v
 template <class Residual>
 double NewtonStep(const MatrixXd& A, double largest, BlockDiagonal& form) {
   using Matrix = Eigen::Matrix<Residual, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix residual = Product<Residual>(A, form.T);
+  Matrix residual = Product(A, form.T, Residual());
   const auto own = [&form](const BlockDiagonal::Block& b) { return form.L.block(b.first, b.first, b.size, b.size); };
   for (const auto& b : form.blocks) {
     residual.middleCols(b.first, b.size) -=
         form.T.middleCols(b.first, b.size).template cast<Residual>() * own(b).template cast<Residual>();
   }
-  const MatrixXd F = form.T_inverse * residual.template cast<double>();
+  const MatrixXd F = Multiply(form.T_inverse, residual.template cast<double>());
   const auto n = A.rows();
   MatrixXd X = MatrixXd::Zero(n, n);
   double most = 0.0;
@@ -138,7 +155,7 @@ double NewtonStep(const MatrixXd& A, double largest, BlockDiagonal& form) {
     X.block(i, i, 2, 2) << shear / (2.0 * b), -skew / (2.0 * b), -skew / (2.0 * b), -shear / (2.0 * b);
     form.L.block(i, i, 2, 2) << a + da, b + db, -(b + db), a + da;
   }
-  form.T += form.T * X;
+  form.T += Multiply(form.T, X);
   return most;
 }
 template double NewtonStep<double>(const MatrixXd&, double, BlockDiagonal&);
@@ -231,7 +248,8 @@ bool StartFromPairs(const MatrixXd& A, BlockDiagonal& form) {
   return form.pairs() > 0;
 }
 
-/// Blocks in the order of the form, columns of the size that the Schur form gives them.
+}  // namespace
+
 void Arrange(BlockDiagonal& form) {
   std::vector<BlockDiagonal::Block> blocks = form.blocks;
   for (auto& b : blocks)
@@ -257,7 +275,7 @@ void Arrange(BlockDiagonal& form) {
   }
 }
 
-}  // namespace
+double Condition(const MatrixXd& T, const MatrixXd& T_inverse) { return Norm(T) * Norm(T_inverse); }
 
 std::optional<BlockDiagonal> FromPairs(const MatrixXd& A) {
   const VectorXd signs = Signature(A);
@@ -281,7 +299,7 @@ std::optional<BlockDiagonal> FromPairs(const MatrixXd& A) {
   if (!((form.T_inverse * (form.T * probe) - probe).norm() < 1e-13 * probe.norm() * std::sqrt(A.rows())))
     return std::nullopt;
   Arrange(form);
-  form.condition = Norm(form.T) * Norm(form.T_inverse);
+  form.condition = Condition(form.T, form.T_inverse);
   return form;
 }
 

@@ -27,4 +27,10 @@ double NewtonStep(const Eigen::MatrixXd& A, double largest, BlockDiagonal& form)
 /// couples them, are too strongly damped for the steps to converge.
 std::optional<BlockDiagonal> FromPairs(const Eigen::MatrixXd& A);
 
+/// Blocks of at most 2 in the order of the form, columns of the size that the Schur form gives them.
+void Arrange(BlockDiagonal& form);
+
+/// 2-norm condition of T, to about a percent.
+double Condition(const Eigen::MatrixXd& T, const Eigen::MatrixXd& T_inverse);
+
 }  // namespace dynoproof::mechanics

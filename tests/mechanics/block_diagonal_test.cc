@@ -6,6 +6,7 @@
 #include <complex>
 #include <random>
 
+#include "mechanics/block_cascade.h"
 #include "mechanics/block_newton.h"
 #include "mechanics/decompositions.h"
 #include "mechanics/energy_coordinates.h"
@@ -174,6 +175,29 @@ TEST(BlockDiagonal, CascadeKeepsEachMembersEigenvaluesExactly) {
   for (int i = 0; i <= n; ++i) lag = lag || std::abs(form.L(i, i) + 1000.0) <= 1e-12;  // refined by an ulp at most
   EXPECT_TRUE(zero);
   EXPECT_TRUE(lag);
+}
+
+TEST(BlockDiagonal, ALargeNetworkKeepsItsFastWayBehindALagAndBeforeAnother) {
+  const MatrixXd plant = NetworkMatrix(support::SoftRotorR2R());
+  const int n = static_cast<int>(plant.rows());
+  MatrixXd A = MatrixXd::Zero(n + 2, n + 2);
+  A.block(1, 1, n, n) = plant;
+  A(0, 0) = -1000.0;  // an actuator's lag, in N m
+  A.col(0).segment(1, n).setConstant(0.05);
+  A(n + 1, n + 1) = -300.0;  // a sensor's, in rad/s
+  A.row(n + 1).segment(1, n).setConstant(20.0);
+  const std::optional<BlockDiagonal> form = FromSets(A);
+  ASSERT_TRUE(form);
+  ExpectDecomposes(A, *form);
+  EXPECT_EQ(form->pairs(), 71);
+  EXPECT_EQ(form->blocks.size(), 74u);
+  EXPECT_LT(form->condition, 1e3);
+  // The members' own values, to the bit.
+  const BlockDiagonal alone = BlockDiagonalise(plant);
+  for (int i = 0; i < alone.pairs(); ++i) EXPECT_EQ(form->L(2 * i, 2 * i + 1), alone.L(2 * i, 2 * i + 1));
+  A(n + 1, n + 1) = -1000.0;  // two lags alike, one acting on the other through the network: no business of sets
+  EXPECT_FALSE(FromSets(A));
+  ExpectDecomposes(A, BlockDiagonalise(A));
 }
 
 TEST(BlockDiagonal, ChainOfIntegratorsIsOneBlock) {
