@@ -13,7 +13,6 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kTrainingShare = 0.7;
-constexpr double kTwoSided95 = 1.959964;
 constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
 
 class Diagnosing {
@@ -69,7 +68,8 @@ class Diagnosing {
       }
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
       if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
-      const bool nothing = IsNothing(fit);
+      bool nothing = false;
+      for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(fit, e);
       if (nothing) considered.why_not = "its size cannot be told from none";
       if ((s.significant || beyond) && !within && !nothing) standing.push_back(fit);
     }
@@ -82,7 +82,7 @@ class Diagnosing {
     result_.at_noise_floor = !rest;
     const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
-      const double farthest = Farthest(null);
+      const double farthest = Farthest(study_, null);
       result_.verdict = Verdict::kUnexplained;
       if (rest) {
         result_.reason =
@@ -92,7 +92,7 @@ class Diagnosing {
                                      fmt::join(strained, ", "));
       } else if (farthest >= kBeyondDoubt) {
         result_.reason =
-            fmt::format("the data agree with the model only where a nominal value lies {:.0f} spreads off", farthest);
+            fmt::format("the data agree with the model only where a nominal value lies {:.1f} spreads off", farthest);
       } else {
         result_.verdict = Verdict::kNoEffect;
         result_.reason = "the data agree with the model within the doubt about its nominal values";
@@ -107,9 +107,9 @@ class Diagnosing {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
                                    found_.partial.empty() ? "" : "; ", found_.partial);
-    } else if (const double farthest = Farthest(fits.front()); farthest > kBeyondDoubt) {
+    } else if (const double farthest = Farthest(study_, fits.front()); farthest > kWithinDoubt) {
       result_.verdict = Verdict::kUnexplained;
-      result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.0f} spreads off",
+      result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
                                    fits.front().Name(), farthest);
     } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
       result_.verdict = Verdict::kUnexplained;
@@ -119,35 +119,6 @@ class Diagnosing {
       result_.reason = count > 1 ? "these data cannot tell the candidates apart"
                                  : "the residual is at the noise floor with it, and with nothing else";
     }
-  }
-
-  /// How far the most doubtful nominal value lies off, in spreads that the hypothesis allows it.
-  double Farthest(const Fit& fit) const {
-    double farthest = 0.0;
-    for (const int i : fit.doubts.free) {
-      const auto k = static_cast<std::size_t>(i);
-      if (!study_.doubts()[k].start)
-        farthest = std::max(farthest, std::abs(fit.hypothesis.z[k]) / fit.doubts.freedom[k]);
-    }
-    return farthest;
-  }
-
-  /// Whether an effect of the fit has no strength whose interval leaves out the neutral value: what is gained then
-  /// comes from computing the nominal model another way.
-  static bool IsNothing(const Fit& fit) {
-    Eigen::Index k = 0;
-    for (const Assumed& assumed : fit.hypothesis.effects) {
-      bool any = false, strength = false;
-      for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
-        const EffectParameter& p = assumed.effect->info().parameters[i];
-        if (!std::isfinite(p.neutral)) continue;
-        strength = true;
-        any = any || std::abs(assumed.parameters[i] - p.neutral) >
-                         kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k)));
-      }
-      if (strength && !any) return true;
-    }
-    return false;
   }
 
   /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.

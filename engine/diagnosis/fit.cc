@@ -228,6 +228,30 @@ double PriorChi2(const Fit& fit) {
   return chi2;
 }
 
+double Farthest(const Study& study, const Fit& fit) {
+  double farthest = 0.0;
+  for (const int i : fit.doubts.free) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!study.doubts()[k].start) farthest = std::max(farthest, std::abs(fit.hypothesis.z[k]) / fit.doubts.freedom[k]);
+  }
+  return farthest;
+}
+
+bool IsNothing(const Fit& fit, std::size_t effect) {
+  Eigen::Index k = 0;
+  for (std::size_t e = 0; e < effect; ++e) k += static_cast<Eigen::Index>(fit.hypothesis.effects[e].parameters.size());
+  const Assumed& assumed = fit.hypothesis.effects[effect];
+  bool strength = false;
+  for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
+    const EffectParameter& p = assumed.effect->info().parameters[i];
+    if (!std::isfinite(p.neutral)) continue;
+    strength = true;
+    const double half = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k)));
+    if (std::abs(assumed.parameters[i] - p.neutral) > half) return false;
+  }
+  return strength;
+}
+
 Fit Fitter::Evaluate(const std::vector<Assumed>& effects, const DoubtModel& doubts) const {
   return Evaluate(effects, doubts, Projection(doubts, whitener_));
 }

@@ -80,6 +80,14 @@ Fit FitAt(const Study& study, Hypothesis hypothesis);
 Whitener WhitenerOf(const Study& study, const Fit& fit, int order = Whitener::kOrder);
 /// What the doubts of a fit cost by their prior.
 double PriorChi2(const Fit& fit);
+/// How far the most doubtful nominal value lies off, in spreads that the hypothesis allows it; starts do not count.
+double Farthest(const Study& study, const Fit& fit);
+
+inline constexpr double kTwoSided95 = 1.959964;  // standard deviations
+/// Whether no strength of effect number `effect` has a 95 % interval that leaves out the neutral value: what is gained
+/// then comes from computing the nominal model another way. Of a fit with its covariance; false for effects without
+/// strengths.
+bool IsNothing(const Fit& fit, std::size_t effect);
 
 /// What a search may move.
 enum class Moves { kAll, kDoubts };

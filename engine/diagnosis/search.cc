@@ -22,6 +22,7 @@ constexpr std::size_t kWarmed = 3;        // and those that start anew from the 
 constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
 constexpr int kLaps = 5;             // of the race to the end
 constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
+constexpr double kStrained = 2.5;    // spreads: of a dozen nominal values one lies that far off by chance in six cases
 constexpr double kBeaten = 2.0;      // times the best one's chi2 beside the same doubts: no rival any more
 
 void BestFirst(std::vector<Fit>& fits) {
@@ -166,19 +167,23 @@ class Searching {
     return fits;
   }
 
-  /// A doubt that the nominal model needs far outside its spread is no doubt any more: it is a candidate, found by all
-  /// the doubts moving together, which no single start can.
-  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
+  /// A doubt that is needed far outside its spread is no doubt any more: the effect that says so.
+  std::optional<Assumed> AsEffect(const Doubt& doubt, double z) const {
     constexpr double kWorthATry = 3.0;  // spreads
+    const Effect* effect = study_->registry().FindEffect(doubt.effect);
+    const std::optional<Place> place = ParsePlace(doubt.at);
+    if (effect == nullptr || !place || !doubt.relative || std::abs(z) < kWorthATry) return std::nullopt;
+    const EffectParameter& delta = effect->info().parameters.front();
+    return Assumed{effect, *place, {std::clamp(ChangeOf(doubt, z), delta.lower, delta.upper)}};
+  }
+
+  /// Such effects are candidates, found by all the doubts moving together, which no single start can.
+  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
     for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      const Doubt& doubt = study_->doubts()[i];
-      if (doubt.effect.empty() || !doubt.relative || std::abs(null.hypothesis.z[i]) < kWorthATry) continue;
-      const Effect* effect = study_->registry().FindEffect(doubt.effect);
-      const std::optional<Place> place = ParsePlace(doubt.at);
-      if (effect == nullptr || !place) continue;
-      const EffectParameter& delta = effect->info().parameters.front();
+      const std::optional<Assumed> effect = AsEffect(study_->doubts()[i], null.hypothesis.z[i]);
+      if (!effect) continue;
       Hypothesis at = null.hypothesis;
-      at.effects.push_back({effect, *place, {std::clamp(ChangeOf(doubt, at.z[i]), delta.lower, delta.upper)}});
+      at.effects.push_back(*effect);
       at.z[i] = 0.0;
       Step("fitting " + at.effects.back().ToString(), 0.5);
       Fit fit = FitAt(*study_, std::move(at));
@@ -255,8 +260,7 @@ class Searching {
 
   /// A rival is not beaten before it has found its place: all that come anywhere near the best race on, lap by lap, as
   /// long as a lap brings them a good part of the way to it. As if the noise were white: the residual gets as small as
-  /// it can; a colour taken from a fit that is not there yet would count what it lacks as noise, and stay there. The
-  /// size of the noise is taken anew each time: before the best one is there, the doubts' prior weighs too much.
+  /// it can; a colour taken from a fit that is not there yet would count what it lacks as noise, and stay there.
   void Race(std::vector<Fit>& fits, const Fit& null) {
     std::set<std::string> out;
     for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
@@ -269,23 +273,36 @@ class Searching {
         const double gap = fits[k].chi2 - best;
         if (out.contains(fits[k].Name()) || (lap > 0 && k > 0 && gap > reach)) return false;
         const double before = fits[k].chi2;
-        if (lap == 0 && k > 0 && AtFloor(fits.front())) return false;
-        fits[k] = fitter.Polish(std::move(fits[k]), 3);
+        if (lap == 0 && k > 0 && Accounts(fits.front())) return false;
+        fits[k] = FromItsOwn(std::move(fits[k]), fitter);
         if (fits[k].ok()) saved_.Keep(fits[k].hypothesis.effects);
         // The doubts may have run off before the effect had its size: once more from the nominal values.
         if (lap == 0 && (k == 0 || (k < kWarmed && !AtFloor(fits[k])))) {
           Fit anew = fits[k];
           anew.hypothesis.z = study_->Nominal().z;
           KeepBetter(fits[k], Warm(anew, fitter));
-          if (!AtFloor(fits[k])) KeepBetter(fits[k], fitter.Polish(std::move(anew), 3));
+          if (!AtFloor(fits[k])) KeepBetter(fits[k], FromItsOwn(FitAt(*study_, anew.hypothesis), fitter));
         }
         if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
         return true;
       });
       // Nothing is left to gain: who does as well beside the same doubts is asked next.
-      if (fits.empty() || AtFloor(fits.front())) return;
+      if (fits.empty() || Accounts(fits.front())) return;
     }
   }
+
+  /// Fits on, as if what the fit itself leaves were the noise; weighed by `fitter`, as its rivals are. By the best
+  /// one's noise, what a fit lacks that is still far off would outweigh all prior knowledge, and drive its doubts away.
+  Fit FromItsOwn(Fit fit, const Fitter& fitter) {
+    if (!fit.ok()) return fit;
+    const Fitter own(*study_, WhitenerOf(*study_, fit, 0));
+    fit = own.Polish(std::move(fit), 3);
+    if (fit.ok()) fitter.Weigh(fit);
+    return fit;
+  }
+
+  /// Whether a fit leaves nothing to gain for others: neither in the residual nor in what it asks of the machine.
+  bool Accounts(const Fit& fit) const { return AtFloor(fit) && Farthest(*study_, fit) < kStrained; }
 
   /// Whether all that a fit leaves is white noise, as large as its highest frequencies say.
   bool AtFloor(const Fit& fit) const {
@@ -311,7 +328,11 @@ class Searching {
       for (const Assumed& challenger : ChallengersOf(fits)) {
         std::vector<Assumed> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
         effects.push_back(challenger);
-        Fit fit = fitter.Optimise(effects, *doubts, 4);
+        DoubtModel beside = *doubts;
+        for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+          if (Changes(challenger, study_->doubts()[i])) beside.z0[i] = 0.0;  // the challenger says it instead
+        }
+        Fit fit = fitter.Optimise(effects, beside, 4);
         simulations_ += fit.simulations;
         if (!fit.ok() || fit.chi2 > kBeaten * best.chi2 || !asked.insert(best.Name() + "/" + fit.Name()).second)
           continue;
@@ -323,12 +344,17 @@ class Searching {
     }
   }
 
-  /// Those that were fitted with the best one (the first); other effects at its place, because of laws that contain one
-  /// another the simplest must win; and the same effect at other places.
+  /// Those that were fitted with the best one (the first); what says openly that a nominal value is as far off as the
+  /// best one needs it; other effects at its place, because of laws that contain one another the simplest must win; and
+  /// the same effect at other places.
   std::vector<Assumed> ChallengersOf(const std::vector<Fit>& fits) const {
     const Assumed& last = fits.front().hypothesis.effects.back();
     std::vector<Assumed> challengers;
     for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
+    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
+      const std::optional<Assumed> effect = AsEffect(study_->doubts()[i], fits.front().hypothesis.z[i]);
+      if (effect) challengers.push_back(*effect);
+    }
     for (const Screened& one : screened_) {
       if (!one.promising) break;
       const Candidate& candidate = found_.candidates[one.candidate];
@@ -368,25 +394,28 @@ class Searching {
     return about;
   }
 
-  /// A second effect that moves a nominal value by no more than its doubt is no effect: the doubts had not found their
-  /// place yet. The first effect alone, with the doubt moved there.
+  /// The one effect of a pair whose other is none: it moves a nominal value by no more than its doubt, which had not
+  /// found its place yet, or has no size that can be told from nothing.
   std::optional<Fit> FoldBack(const Fit& pair) {
+    Fit derived = pair;
+    Fitter(*study_, WhitenerOf(*study_, pair)).Derive(derived);
     for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
-      const Assumed& moved = pair.hypothesis.effects[e];
+      const Assumed& second = pair.hypothesis.effects[e];
+      bool none = IsNothing(derived, e);
+      Hypothesis at = pair.hypothesis;
+      at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const Doubt& doubt = study_->doubts()[i];
-        if (!Changes(moved, doubt)) continue;
-        const double z = DeviateOf(doubt, moved.parameters.front());
-        if (std::abs(z) > kWithinDoubt) continue;
-        Hypothesis at = pair.hypothesis;
-        at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
-        at.z[i] = z;
-        Fit fit = FitAt(*study_, std::move(at));
-        if (!fit.ok()) continue;
-        for (const int order : {0, Whitener::kOrder})
-          fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), 5);
-        return fit;
+        if (!Changes(second, doubt)) continue;
+        at.z[i] = DeviateOf(doubt, second.parameters.front());
+        none = none || std::abs(at.z[i]) <= kWithinDoubt;
       }
+      if (!none) continue;
+      Fit fit = FitAt(*study_, std::move(at));
+      if (!fit.ok()) continue;
+      for (const int order : {0, Whitener::kOrder})
+        fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), 5);
+      return fit;
     }
     return std::nullopt;
   }
@@ -407,7 +436,7 @@ class Searching {
     }
     fit = FitAt(*study_, std::move(fit.hypothesis));
     if (!fit.ok()) return cold;
-    fit = last.Polish(std::move(fit), 3);
+    fit = FromItsOwn(std::move(fit), last);
     simulations_ += fit.simulations;
     return fit.ok() ? fit : cold;
   }

@@ -39,6 +39,9 @@ class Law {
   virtual void Guards(const LawView&, std::span<double> /*values*/) const {}
   virtual void OnEvent(const LawView&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 
+  /// True for a law whose torque never changes: to a solver it is an input that is held.
+  virtual bool constant() const { return false; }
+
   /// True for laws with friction: their torque depends on holding_torque, and `realtime` solves them by SlipTorque().
   virtual bool sticks() const { return false; }
   /// Realtime, laws that stick: the torque of slipping at view.rate in the direction of `sign` (+1 or -1: the sign that

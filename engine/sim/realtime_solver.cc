@@ -118,7 +118,8 @@ class RealtimeSolver : public Solver {
                              : ModalForm::Build(group_.system);
     if (rig.run.realtime.keep_below_Hz > 0.0)
       form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
-    exact_ = group_.channels.empty() && roles_.nonlinear.empty();
+    exact_ = roles_.nonlinear.empty() && std::all_of(group_.channels.begin(), group_.channels.end(),
+                                                     [](const auto& one) { return one.channel.law->constant(); });
     chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end() &&
                std::any_of(roles_.nonlinear.begin(), roles_.nonlinear.end(),
                            [&rig](int index) { return PassesThrough(*rig.blocks[index].component); });
@@ -558,7 +559,7 @@ class RealtimeSolver : public Solver {
   std::vector<AheadPart> ahead_parts_;
   std::vector<double> part_steps_;  // by reads: their change in a substep, for such parts
   bool chained_ = false;            // the linear group reads a nonlinear part that passes its inputs through
-  bool exact_ = true;               // nothing is nonlinear: one exact step per interval
+  bool exact_ = true;               // nothing is nonlinear, but constant: one exact step per interval
   std::vector<Step> steps_;         // by interval
   std::string summary_;
   std::int64_t periods_ = 0, substeps_ = 0;

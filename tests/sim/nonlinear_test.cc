@@ -106,6 +106,28 @@ TEST(Loads, SolversAgreeOnAChain) {
   }
 }
 
+/// It needs no substeps: their number changes no bit.
+TEST(Loads, AConstantOneIsHeldLikeAnInput) {
+  const auto samples = [](int substeps) {
+    Plan plan = LumpedPlan();
+    plan.root["run"] = Value{{"duration_s", 0.1}, {"realtime", Value{{"substeps", substeps}}}};
+    plan.root["plant"]["load"]["load"] = Value{{"on", "I5"}, {"law", "constant"}, {"T_0_Nm", 20.0}};
+    return RunPlan(plan, "realtime");
+  };
+  const Samples once = samples(1);
+  EXPECT_EQ(once.outputs, samples(16).outputs);
+  EXPECT_NE(once.outputs.front().front(), once.outputs.front().back());
+}
+
+/// Angles are sums of twists: a tiny one beside a large one comes back from them rounded, and is no fault of the plan.
+TEST(Twists, OneOfAnySizeMayStandBesideAnother) {
+  Plan plan = LumpedPlan();
+  plan.root["run"] = Value{{"duration_s", 0.01}};
+  plan.root["plant"]["shaft"]["k1"]["initial_twist_rad"] = Value(1e-3);
+  plan.root["plant"]["shaft"]["k2"]["initial_twist_rad"] = Value(3e-15);
+  EXPECT_EQ(RunPlan(plan, "realtime").time.size(), 101u);
+}
+
 /// A lag, then a saturation, then the plant: the saturation works on the continuous signal between.
 TEST(Parts, NonlinearStageBetweenLinearOnes) {
   Plan plan = OneMass(1.0, Value{{"type", "step"}, {"value", 2.0}, {"time_s", 1e-4}}, 0.01);

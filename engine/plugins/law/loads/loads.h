@@ -47,6 +47,7 @@ class ConstantLoad : public Law {
   static PluginInfo Info();
   explicit ConstantLoad(const Params& params) : T_0_(params.T_0_Nm) {}
   double Torque(const LawView&) const override { return T_0_; }
+  bool constant() const override { return true; }
 
  private:
   double T_0_;

@@ -349,9 +349,9 @@ class DriveLineBuilder {
     }
     for (const InitialTwist& one : initial_twists_) {
       const double seen = angles[one.from] - angles[one.to];
-      if (one.table == nullptr || std::abs(seen - one.twist_rad) <= 1e-9 * (std::abs(seen) + std::abs(one.twist_rad))) {
-        continue;
-      }
+      // A difference of angles is no more exact than these.
+      const double size = std::abs(seen) + std::abs(one.twist_rad) + 1e-3 * std::abs(angles[one.from]);
+      if (one.table == nullptr || std::abs(seen - one.twist_rad) <= 1e-9 * size) continue;
       Fault(one.table->where(), "initial_twist_rad does not fit the other shafts of the circle",
             "twists around a circle add up to zero");
     }
