@@ -228,6 +228,13 @@ double PriorChi2(const Fit& fit) {
   return chi2;
 }
 
+std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit) {
+  for (const Assumed& assumed : fit.hypothesis.effects) {
+    if (Changes(assumed, doubt)) return DeviateOf(doubt, assumed.parameters.front());
+  }
+  return std::nullopt;
+}
+
 double Farthest(const Study& study, const Fit& fit) {
   double farthest = 0.0;
   for (const int i : fit.doubts.free) {

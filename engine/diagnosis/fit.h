@@ -80,6 +80,8 @@ Fit FitAt(const Study& study, Hypothesis hypothesis);
 Whitener WhitenerOf(const Study& study, const Fit& fit, int order = Whitener::kOrder);
 /// What the doubts of a fit cost by their prior.
 double PriorChi2(const Fit& fit);
+/// An effect of the fit that changes the doubt's own number, in spreads of the doubt.
+std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit);
 /// How far the most doubtful nominal value lies off, in spreads that the hypothesis allows it; starts do not count.
 double Farthest(const Study& study, const Fit& fit);
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "diagnosis/contest.h"
 #include "diagnosis/decide.h"
 #include "diagnosis/gain.h"
 #include "diagnosis/resume.h"
@@ -17,27 +17,6 @@ constexpr double kSearchRows = 2e4;  // a channel: where the search takes place,
 constexpr std::size_t kCarried = 4;  // fits that go on from there to all training data; an ambiguity set holds three
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
-constexpr std::size_t kPolished = 5;      // of these, those that are fitted with the noise's colour
-constexpr std::size_t kWarmed = 3;        // and those that start anew from the shortest part
-constexpr double kContender = 0.25;  // of the nominal model's excess of chi2: half of the way in RMS is still to go
-constexpr int kLaps = 5;             // of the race to the end
-constexpr double kStride = 0.1;      // of the gap to the best: less in a lap, and a rival is out
-constexpr double kStrained = 2.5;    // spreads: of a dozen nominal values one lies that far off by chance in six cases
-constexpr double kBeaten = 2.0;      // times the best one's chi2 beside the same doubts: no rival any more
-
-void BestFirst(std::vector<Fit>& fits) {
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.criterion < b.criterion; });
-}
-/// Best first, all under one whitener.
-void Sort(const Fitter& fitter, std::vector<Fit>& fits) {
-  for (Fit& fit : fits) fitter.Weigh(fit);
-  BestFirst(fits);
-}
-
-/// Takes the other fit where it explains more.
-void KeepBetter(Fit& fit, Fit other) {
-  if (other.ok() && other.chi2 < fit.chi2) fit = std::move(other);
-}
 
 class Searching {
  public:
@@ -48,11 +27,8 @@ class Searching {
         study_(&part_),
         short_(Rough(study.plan()), data, study.registry(), ShortShare(data, training_share), study.decompositions()),
         options_(options),
-        saved_(options.out, options.resume, study) {
-    for (const double share : {1.0 / 27.0, 1.0 / 9.0, 1.0 / 3.0})
-      rungs_.emplace_back(Rough(study.plan()), study.records(), study.registry(), share * PartShare(study),
-                          study.decompositions());
-  }
+        saved_(options.out, options.resume, study),
+        contest_(part_, saved_, options.progress) {}
 
   Result<Found> Run() {
     Step("nominal run", 0.0);
@@ -71,7 +47,7 @@ class Searching {
     const Fit base = null;
     {
       const Fitter fitter(*study_, WhitenerOf(*study_, null, 0));
-      Fit warm = Warm(null, fitter);
+      Fit warm = contest_.Warm(null, fitter);
       null = fitter.Polish(std::move(null), 3);
       KeepBetter(null, std::move(warm));
     }
@@ -79,8 +55,8 @@ class Searching {
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
     found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
-    Suggest(Fitter(*study_, whitener), null, fits);
-    SortAgain(fits, null);
+    contest_.Suggest(Fitter(*study_, whitener), null, fits);
+    contest_.Decide(EntrantsOf(screened_), fits, null);
     Fit rough = fits.empty() ? null : fits.front();
     std::vector<Structure> structure;
     if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
@@ -100,7 +76,7 @@ class Searching {
     found_.null = std::move(null);
     found_.fits = std::move(fits);
     found_.structure = std::move(structure);
-    found_.simulations = simulations_;
+    found_.simulations = simulations_ + contest_.simulations();
     return std::move(found_);
   }
 
@@ -167,34 +143,14 @@ class Searching {
     return fits;
   }
 
-  /// A doubt that is needed far outside its spread is no doubt any more: the effect that says so.
-  std::optional<Assumed> AsEffect(const Doubt& doubt, double z) const {
-    constexpr double kWorthATry = 3.0;  // spreads
-    const Effect* effect = study_->registry().FindEffect(doubt.effect);
-    const std::optional<Place> place = ParsePlace(doubt.at);
-    if (effect == nullptr || !place || !doubt.relative || std::abs(z) < kWorthATry) return std::nullopt;
-    const EffectParameter& delta = effect->info().parameters.front();
-    return Assumed{effect, *place, {std::clamp(ChangeOf(doubt, z), delta.lower, delta.upper)}};
-  }
-
-  /// Such effects are candidates, found by all the doubts moving together, which no single start can.
-  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
-    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      const std::optional<Assumed> effect = AsEffect(study_->doubts()[i], null.hypothesis.z[i]);
-      if (!effect) continue;
-      Hypothesis at = null.hypothesis;
-      at.effects.push_back(*effect);
-      at.z[i] = 0.0;
-      Step("fitting " + at.effects.back().ToString(), 0.5);
-      Fit fit = FitAt(*study_, std::move(at));
-      ++simulations_;
-      if (!fit.ok()) continue;
-      fitter.Weigh(fit);
-      std::erase_if(fits, [&](const Fit& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
-      if (std::none_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); }))
-        fits.push_back(std::move(fit));
+  /// The promising ones at the sizes that the screening saw.
+  std::vector<Assumed> EntrantsOf(const std::vector<Screened>& screened) const {
+    std::vector<Assumed> entrants;
+    for (const Screened& one : screened) {
+      if (!one.promising) break;
+      entrants.push_back(found_.candidates[one.candidate].At(one.parameters));
     }
-    BestFirst(fits);
+    return entrants;
   }
 
   /// Screens on the first part of the records: it only ranks.
@@ -217,181 +173,6 @@ class Searching {
     });
     for (Screened& one : screened) one.promising = std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold;
     return screened;
-  }
-
-  /// Everything is fitted again, effects and doubts together, until the order no longer changes.
-  void SortAgain(std::vector<Fit>& fits, Fit& null) {
-    if (fits.empty()) return;
-    Race(fits, null);
-    if (fits.empty()) return;
-    Challenge(fits);
-    {
-      // With the noise's colour taken from the best fit differences count by their weight against the noise.
-      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
-      Sort(fitter, fits);
-      Each(fits, "fitting with the noise's colour: ", 0.68, [&](std::size_t k) {
-        if (k >= kPolished || (k > 0 && fits[k].chi2 > kBeaten * fits.front().chi2)) return false;
-        fits[k] = fitter.Polish(std::move(fits[k]), 4);
-        return true;
-      });
-      if (fits.empty()) return;
-    }
-    const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
-    // The nominal model gets every chance: also from where the doubts stand beside the best effect.
-    Fit other = null;
-    other.hypothesis.z = Beside(fits.front()).z;
-    null = fitter.Polish(std::move(null), 3);
-    KeepBetter(null, fitter.Polish(std::move(other), 4));
-    Sort(fitter, fits);
-  }
-
-  /// Fits again those that `fit_again` takes up, best first, and sorts.
-  template <class FitAgain>
-  void Each(std::vector<Fit>& fits, const std::string& what, double fraction, const FitAgain& fit_again) {
-    for (std::size_t k = 0; k < fits.size(); ++k) {
-      const int before = fits[k].simulations;
-      if (!fit_again(k)) continue;
-      Step(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / kFullFits);
-      simulations_ += std::max(0, fits[k].simulations - before);
-    }
-    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
-    BestFirst(fits);
-  }
-
-  /// A rival is not beaten before it has found its place: all that come anywhere near the best race on, lap by lap, as
-  /// long as a lap brings them a good part of the way to it. As if the noise were white: the residual gets as small as
-  /// it can; a colour taken from a fit that is not there yet would count what it lacks as noise, and stay there.
-  void Race(std::vector<Fit>& fits, const Fit& null) {
-    std::set<std::string> out;
-    for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
-      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front(), 0));
-      Sort(fitter, fits);
-      Fit nominal = null;
-      fitter.Weigh(nominal);
-      const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
-      Each(fits, "fitting to the end: ", 0.5 + 0.02 * lap, [&](std::size_t k) {
-        const double gap = fits[k].chi2 - best;
-        if (out.contains(fits[k].Name()) || (lap > 0 && k > 0 && gap > reach)) return false;
-        const double before = fits[k].chi2;
-        if (lap == 0 && k > 0 && Accounts(fits.front())) return false;
-        fits[k] = FromItsOwn(std::move(fits[k]), fitter);
-        if (fits[k].ok()) saved_.Keep(fits[k].hypothesis.effects);
-        // The doubts may have run off before the effect had its size: once more from the nominal values.
-        if (lap == 0 && (k == 0 || (k < kWarmed && !AtFloor(fits[k])))) {
-          Fit anew = fits[k];
-          anew.hypothesis.z = study_->Nominal().z;
-          KeepBetter(fits[k], Warm(anew, fitter));
-          if (!AtFloor(fits[k])) KeepBetter(fits[k], FromItsOwn(FitAt(*study_, anew.hypothesis), fitter));
-        }
-        if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
-        return true;
-      });
-      // Nothing is left to gain: who does as well beside the same doubts is asked next.
-      if (fits.empty() || Accounts(fits.front())) return;
-    }
-  }
-
-  /// Fits on, as if what the fit itself leaves were the noise; weighed by `fitter`, as its rivals are. By the best
-  /// one's noise, what a fit lacks that is still far off would outweigh all prior knowledge, and drive its doubts away.
-  Fit FromItsOwn(Fit fit, const Fitter& fitter) {
-    if (!fit.ok()) return fit;
-    const Fitter own(*study_, WhitenerOf(*study_, fit, 0));
-    fit = own.Polish(std::move(fit), 3);
-    if (fit.ok()) fitter.Weigh(fit);
-    return fit;
-  }
-
-  /// Whether a fit leaves nothing to gain for others: neither in the residual nor in what it asks of the machine.
-  bool Accounts(const Fit& fit) const { return AtFloor(fit) && Farthest(*study_, fit) < kStrained; }
-
-  /// Whether all that a fit leaves is white noise, as large as its highest frequencies say.
-  bool AtFloor(const Fit& fit) const {
-    constexpr double kNear = 1.2;
-    if (!fit.ok() || fit.predicted.size() == 0) return false;
-    const Eigen::VectorXd residual = study_->measured() - fit.predicted;
-    return std::all_of(study_->channels().begin(), study_->channels().end(), [&](const Channel& channel) {
-      const auto rows = residual.segment(channel.begin, channel.count);
-      return rows.norm() < kNear * HighFrequencyFloor(rows) * std::sqrt(static_cast<double>(channel.count));
-    });
-  }
-
-  /// Who could do the same beside the doubts as the best one leaves them?
-  void Challenge(std::vector<Fit>& fits) {
-    std::set<std::string> asked;
-    for (int round = 0; round < 2; ++round) {
-      const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
-      for (Fit& fit : fits) fitter.Weigh(fit);
-      const Fit best = fits.front();
-      const Hypothesis about = Beside(best);
-      const Result<DoubtModel> doubts = LineariseDoubts(*study_, about, FreedomOf(*study_, about.effects));
-      if (!doubts.ok()) return;
-      for (const Assumed& challenger : ChallengersOf(fits)) {
-        std::vector<Assumed> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
-        effects.push_back(challenger);
-        DoubtModel beside = *doubts;
-        for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-          if (Changes(challenger, study_->doubts()[i])) beside.z0[i] = 0.0;  // the challenger says it instead
-        }
-        Fit fit = fitter.Optimise(effects, beside, 4);
-        simulations_ += fit.simulations;
-        if (!fit.ok() || fit.chi2 > kBeaten * best.chi2 || !asked.insert(best.Name() + "/" + fit.Name()).second)
-          continue;
-        Step("beside " + best.Name() + ": " + fit.Name(), 0.62);
-        Answer(fitter, std::move(fit), fits);
-      }
-      BestFirst(fits);
-      if (fits.front().Name() == best.Name() || best.criterion - fits.front().criterion < 1.0) return;
-    }
-  }
-
-  /// Those that were fitted with the best one (the first); what says openly that a nominal value is as far off as the
-  /// best one needs it; other effects at its place, because of laws that contain one another the simplest must win; and
-  /// the same effect at other places.
-  std::vector<Assumed> ChallengersOf(const std::vector<Fit>& fits) const {
-    const Assumed& last = fits.front().hypothesis.effects.back();
-    std::vector<Assumed> challengers;
-    for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
-    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      const std::optional<Assumed> effect = AsEffect(study_->doubts()[i], fits.front().hypothesis.z[i]);
-      if (effect) challengers.push_back(*effect);
-    }
-    for (const Screened& one : screened_) {
-      if (!one.promising) break;
-      const Candidate& candidate = found_.candidates[one.candidate];
-      const bool same = candidate.effect == last.effect;
-      if (same == (candidate.place == last.place)) continue;  // neither, or the best one itself
-      challengers.push_back(candidate.At(same ? last.parameters : one.parameters));
-    }
-    return challengers;
-  }
-
-  /// Fits a challenger to the end, and takes it up where it is new or better than it was.
-  void Answer(const Fitter& fitter, Fit fit, std::vector<Fit>& fits) {
-    const auto known =
-        std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
-    if (known != fits.end() && known->settled && known->chi2 < fit.chi2 + 1.0) return;
-    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      if (Changes(fit.hypothesis.effects.back(), study_->doubts()[i])) fit.hypothesis.z[i] = 0.0;
-    }
-    fit.simulations = 0;
-    fit = fitter.Polish(std::move(fit), 6);
-    simulations_ += fit.simulations;
-    if (known != fits.end())
-      KeepBetter(*known, std::move(fit));
-    else if (fit.ok())
-      fits.push_back(std::move(fit));
-  }
-
-  /// The machine as a fit leaves it, for others to stand beside: if the fit itself says that a nominal value has
-  /// changed, that number is a doubt again.
-  Hypothesis Beside(const Fit& fit) const {
-    Hypothesis about = fit.hypothesis;
-    for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
-      const Doubt& doubt = study_->doubts()[i];
-      if (const std::optional<double> z = AsDoubt(doubt, fit)) about.z[i] = *z;
-      std::erase_if(about.effects, [&](const Assumed& assumed) { return Changes(assumed, doubt); });
-    }
-    return about;
   }
 
   /// The one effect of a pair whose other is none: it moves a nominal value by no more than its doubt, which had not
@@ -420,27 +201,6 @@ class Searching {
     return std::nullopt;
   }
 
-  /// Carries a hypothesis to the full records over shorter ones. A sharp mode beside its true frequency loses the phase
-  /// within a second, the best amplitude there is none, and no slope leads on: over a short part it is still downhill.
-  /// What is short tells modes, not effects; these are held at first.
-  Fit Warm(const Fit& cold, const Fitter& last) {
-    Fit fit = cold;
-    for (const Study& rung : rungs_) {
-      if (rung.measured().size() < 50 * static_cast<Eigen::Index>(rung.channels().size())) continue;
-      fit = FitAt(rung, std::move(fit.hypothesis));
-      if (!fit.ok()) return cold;
-      const bool modes = &rung != &rungs_.back();
-      fit = Fitter(rung, WhitenerOf(rung, fit, 0)).Polish(std::move(fit), 4, modes ? Moves::kDoubts : Moves::kAll);
-      simulations_ += fit.simulations;
-      if (!fit.ok()) return cold;
-    }
-    fit = FitAt(*study_, std::move(fit.hypothesis));
-    if (!fit.ok()) return cold;
-    fit = FromItsOwn(std::move(fit), last);
-    simulations_ += fit.simulations;
-    return fit.ok() ? fit : cold;
-  }
-
   /// `rough`: the best single effect where the search takes place.
   Status TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& rough, std::vector<Structure>& structure) {
     study_ = &part_;
@@ -450,7 +210,7 @@ class Searching {
     base.doubts.z0 = base.hypothesis.z;  // candidates are added at the optimum
     std::vector<Fit> pairs = FitBest(fitter, base, "two effects", 0.7, 0.95);
     if (pairs.size() > 3) pairs.resize(3);
-    SortAgain(pairs, nominal);
+    contest_.Decide(EntrantsOf(screened_), pairs, nominal);
     std::optional<Fit> alone = pairs.empty() ? std::nullopt : FoldBack(pairs.front());
     if (alone) pairs = {std::move(*alone)};
     std::vector<Structure> left;
@@ -511,13 +271,13 @@ class Searching {
     return {};
   }
 
-  const Study& whole_;        // all that is for training
-  const Study part_;          // where the search takes place: coarser, and its first part when the records are long
-  const Study* study_;        // where the fits stand now: the part, then the whole
-  const Study short_;         // where candidates are screened
-  std::vector<Study> rungs_;  // shorter and shorter parts, the shortest first
+  const Study& whole_;  // all that is for training
+  const Study part_;    // where the search takes place: coarser, and its first part when the records are long
+  const Study* study_;  // where the fits stand now: the part, then the whole
+  const Study short_;   // where candidates are screened
   const SearchOptions& options_;
   SavedFits saved_;
+  Contest contest_;
   Found found_;
   std::vector<Screened> screened_;  // on top of what stood then
   int simulations_ = 0;
@@ -532,13 +292,6 @@ Considered ConsideredOf(const Fit& fit) {
   considered.name += effects.back().effect->info().name;
   considered.at = effects.back().place.ToString();
   return considered;
-}
-
-std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit) {
-  for (const Assumed& assumed : fit.hypothesis.effects) {
-    if (Changes(assumed, doubt)) return DeviateOf(doubt, assumed.parameters.front());
-  }
-  return std::nullopt;
 }
 
 Result<Found> Search(const Study& study, const std::vector<MappedRecord>& data, double training_share,

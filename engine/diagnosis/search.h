@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +17,6 @@ struct Considered {
 };
 /// Name and place of a fit; of several effects the last one's place, the others with theirs in the name.
 Considered ConsideredOf(const Fit& fit);
-
-/// An effect of the fit that changes the doubt's own number, in spreads of the doubt.
-std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit);
 
 struct Found {
   Fit null;               // the nominal scenario with all the freedom of its doubts
