@@ -45,6 +45,7 @@ class Diagnosing {
     fitter.Derive(null);
     const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
     const double rows = fitter.whitener().rows();
+    const std::vector<std::string> strained = StrainedDoubts(null);
     std::vector<Fit> standing;
     for (Fit& fit : fits) {
       fitter.Weigh(fit);
@@ -66,6 +67,10 @@ class Diagnosing {
         beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
                             s.chi2_gain > 0.5 * without * without);
       }
+      // So is one that spares the nominal model a value far outside its doubt that no effect stands for.
+      const double spared = strained.empty() ? 0.0 : Farthest(study_, null);
+      beyond = beyond ||
+               (spared > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt && s.chi2_gain > 0.5 * spared * spared);
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
       if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
       bool nothing = false;
@@ -80,7 +85,6 @@ class Diagnosing {
     result_.white =
         std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
     result_.at_noise_floor = !rest;
-    const std::vector<std::string> strained = StrainedDoubts(null);
     if (fits.empty()) {
       const double farthest = Farthest(study_, null);
       result_.verdict = Verdict::kUnexplained;
