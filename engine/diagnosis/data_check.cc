@@ -181,11 +181,16 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
     const double simulated_spread = std::sqrt((predicted.array() - predicted.mean()).square().mean());
     if (!(simulated_spread > 0.0)) continue;
     const double own = Correlation(measured, predicted);
-    // Swapped: clearly more like another output of the same record than like its own.
+    // Swapped: clearly more like another output of the same record than like its own, and not of its own size beside
+    // the other's; lightly damped signals fall out of step, and then look like any other.
+    constexpr double kOfASize = 3.0;
+    const auto apart = [&channel](double spread) { return std::abs(std::log(channel.spread / spread)); };
     for (const Channel& other : study.channels()) {
       if (other.record != channel.record || other.name == channel.name || other.count != channel.count) continue;
-      const double there = std::abs(Correlation(measured, nominal->segment(other.begin, other.count)));
-      if (there > 0.7 && there > std::abs(own) + 0.3)
+      const auto simulated = nominal->segment(other.begin, other.count);
+      const double there = std::abs(Correlation(measured, simulated));
+      const double spread = std::sqrt((simulated.array() - simulated.mean()).square().mean());
+      if (there > 0.7 && there > std::abs(own) + 0.3 && apart(spread) < apart(simulated_spread) + std::log(kOfASize))
         findings.push_back({true, "swapped", channel.name,
                             fmt::format("is like the simulated {} (correlation {:.2f}), not like its own ({:.2f})",
                                         other.name, there, own),

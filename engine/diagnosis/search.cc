@@ -57,6 +57,10 @@ class Searching {
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
     contest_.Suggest(Fitter(*study_, whitener), null, fits);
     contest_.Decide(EntrantsOf(screened_), fits, null);
+    // By now the nominal model has come to the end of its doubts too, and may say what nobody else has.
+    const std::size_t before = fits.size();
+    if (!fits.empty()) contest_.Suggest(Fitter(*study_, WhitenerOf(*study_, fits.front())), null, fits);
+    if (fits.size() > before) contest_.Decide(EntrantsOf(screened_), fits, null);
     Fit rough = fits.empty() ? null : fits.front();
     std::vector<Structure> structure;
     if (Status failed = ToTheWhole(null, fits, structure)) return *failed;

@@ -5,7 +5,7 @@
 // by solving Sylvester equations between its 1x1 and 2x2 blocks. Two blocks whose decoupling needs a large transform
 // (near-defective eigenvalues) stay together in one larger block; exactly repeated eigenvalues with a full set of
 // vectors separate. One step of refinement with long double residuals then makes each eigenvalue right to its last
-// bits.
+// bits. Large networks, also behind lags, have ways of their own (block_newton.h, block_cascade.h).
 #pragma once
 
 #include <Eigen/Dense>
