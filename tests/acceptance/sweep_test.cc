@@ -239,7 +239,7 @@ TEST_F(Campaign, ShowsRateAndTimeLeftOnATerminalOnly) {
 }
 
 // A piece takes five seconds or so of work: a longer run makes several of them.
-constexpr const char* kLong = "set = [\"run.duration_s=2.0\"]\n";
+constexpr const char* kLong = "set = [\"run.duration_s=10.0\"]\n";
 
 TEST_F(Campaign, InterruptedGoesOnWhereItWas) {
   bench_.Write("spread.toml", std::string(kLong) + kCampaign);
