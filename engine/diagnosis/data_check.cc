@@ -78,6 +78,9 @@ void CheckClipping(const trace::Column& column, const std::vector<double>* time,
   }
 }
 
+/// Standard deviation.
+double Spread(const Eigen::Ref<const Eigen::VectorXd>& a) { return std::sqrt((a.array() - a.mean()).square().mean()); }
+
 /// Correlation of two signals without their means; 0 where one is constant.
 double Correlation(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
   const Eigen::VectorXd x = a.array() - a.mean(), y = b.array() - b.mean();
@@ -178,7 +181,7 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
       findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
       continue;
     }
-    const double simulated_spread = std::sqrt((predicted.array() - predicted.mean()).square().mean());
+    const double simulated_spread = Spread(predicted);
     if (!(simulated_spread > 0.0)) continue;
     const double own = Correlation(measured, predicted);
     // Swapped: clearly more like another output of the same record than like its own, and not of its own size beside
@@ -189,8 +192,8 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
       if (other.record != channel.record || other.name == channel.name || other.count != channel.count) continue;
       const auto simulated = nominal->segment(other.begin, other.count);
       const double there = std::abs(Correlation(measured, simulated));
-      const double spread = std::sqrt((simulated.array() - simulated.mean()).square().mean());
-      if (there > 0.7 && there > std::abs(own) + 0.3 && apart(spread) < apart(simulated_spread) + std::log(kOfASize))
+      if (there > 0.7 && there > std::abs(own) + 0.3 &&
+          apart(Spread(simulated)) < apart(simulated_spread) + std::log(kOfASize))
         findings.push_back({true, "swapped", channel.name,
                             fmt::format("is like the simulated {} (correlation {:.2f}), not like its own ({:.2f})",
                                         other.name, there, own),

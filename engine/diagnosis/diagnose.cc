@@ -46,6 +46,7 @@ class Diagnosing {
     const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
     const double rows = fitter.whitener().rows();
     const std::vector<std::string> strained = StrainedDoubts(null);
+    const double farthest = Farthest(study_, null);
     std::vector<Fit> standing;
     for (Fit& fit : fits) {
       fitter.Weigh(fit);
@@ -68,9 +69,8 @@ class Diagnosing {
                             s.chi2_gain > 0.5 * without * without);
       }
       // So is one that spares the nominal model a value far outside its doubt that no effect stands for.
-      const double spared = strained.empty() ? 0.0 : Farthest(study_, null);
-      beyond = beyond ||
-               (spared > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt && s.chi2_gain > 0.5 * spared * spared);
+      beyond = beyond || (!strained.empty() && farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
+                          s.chi2_gain > 0.5 * farthest * farthest);
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
       if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
       bool nothing = false;
@@ -86,7 +86,6 @@ class Diagnosing {
         std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
     result_.at_noise_floor = !rest;
     if (fits.empty()) {
-      const double farthest = Farthest(study_, null);
       result_.verdict = Verdict::kUnexplained;
       if (rest) {
         result_.reason =
@@ -111,10 +110,10 @@ class Diagnosing {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
                                    found_.partial.empty() ? "" : "; ", found_.partial);
-    } else if (const double farthest = Farthest(study_, fits.front()); farthest > kWithinDoubt) {
+    } else if (const double strain = Farthest(study_, fits.front()); strain > kWithinDoubt) {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
-                                   fits.front().Name(), farthest);
+                                   fits.front().Name(), strain);
     } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
       result_.verdict = Verdict::kUnexplained;
       result_.reason = fmt::format("{} candidates account for the data alike", count);

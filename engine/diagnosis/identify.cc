@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/random.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/noise.h"
 #include "diagnosis/parallel.h"
 
@@ -159,7 +160,7 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
     const auto k = static_cast<Eigen::Index>(i);
     const double nominal = plan.root.FindPath(keys[i])->number();
     values[k] = nominal * std::exp(best[i]);
-    const double half = 1.959964 * std::sqrt(std::max(0.0, relative(k, k)));
+    const double half = kTwoSided95 * std::sqrt(std::max(0.0, relative(k, k)));
     const double a = nominal * std::exp(best[i] - half), b = nominal * std::exp(best[i] + half);
     result.values.push_back(
         {keys[i], nominal, values[k], std::min(a, b), std::max(a, b), std::abs(best[i]) > bound * 0.999});

@@ -67,8 +67,7 @@ class Searching {
     if (AnyFound(structure)) {
       // Before an effect is called for, or a second one, the machine gets the time it needs.
       Fit& best = fits.empty() ? null : fits.front();
-      for (const int order : {0, Whitener::kOrder})
-        best = Fitter(*study_, WhitenerOf(*study_, best, order)).Polish(std::move(best), 8);
+      best = ToTheEnd(std::move(best), 8);
       const Fitter fitter(*study_, WhitenerOf(*study_, best));
       fitter.Weigh(null);
       Sort(fitter, fits);
@@ -179,6 +178,13 @@ class Searching {
     return screened;
   }
 
+  /// By its own noise, first as if that were white, then with its colour.
+  Fit ToTheEnd(Fit fit, int rounds) const {
+    for (const int order : {0, Whitener::kOrder})
+      fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), rounds);
+    return fit;
+  }
+
   /// The one effect of a pair whose other is none: it moves a nominal value by no more than its doubt, which had not
   /// found its place yet, or has no size that can be told from nothing.
   std::optional<Fit> FoldBack(const Fit& pair) {
@@ -198,9 +204,7 @@ class Searching {
       if (!none) continue;
       Fit fit = FitAt(*study_, std::move(at));
       if (!fit.ok()) continue;
-      for (const int order : {0, Whitener::kOrder})
-        fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), 5);
-      return fit;
+      return ToTheEnd(std::move(fit), 5);
     }
     return std::nullopt;
   }

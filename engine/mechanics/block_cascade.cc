@@ -105,6 +105,7 @@ VectorXd SetScale(const Cascade& cascade, const MatrixXd& Y) {
 }  // namespace
 
 std::optional<BlockDiagonal> FromSets(const MatrixXd& A) {
+  if (A.rows() <= kLarge) return std::nullopt;  // one of several sets is smaller still
   const Cascade cascade = FindCascade(A);
   const int n = static_cast<int>(A.rows());
   int largest = 0;
