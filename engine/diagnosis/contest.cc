@@ -124,11 +124,11 @@ void Contest::Race(std::vector<Fit>& fits, const Fit& null) {
       fits[k] = FromItsOwn(std::move(fits[k]), fitter);
       if (fits[k].ok()) saved_.Keep(fits[k].hypothesis.effects);
       // The doubts may have run off before the effect had its size: once more from the nominal values.
-      if (lap == 0 && (k == 0 || (k < kWarmed && !AtFloor(fits[k])))) {
+      if (lap == 0 && (k == 0 || (!Accounts(fits[k]) && (k < kWarmed || AtFloor(fits[k]) || MovesModes(fits[k]))))) {
         Fit anew = fits[k];
         anew.hypothesis.z = study_.Nominal().z;
         KeepBetter(fits[k], Warm(anew, fitter));
-        if (!AtFloor(fits[k])) KeepBetter(fits[k], FromItsOwn(FitAt(study_, anew.hypothesis), fitter));
+        if (!Accounts(fits[k])) KeepBetter(fits[k], FromItsOwn(FitAt(study_, anew.hypothesis), fitter));
       }
       if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
       return true;
@@ -146,6 +146,12 @@ Fit Contest::FromItsOwn(Fit fit, const Fitter& fitter) const {
   fit = own.Polish(std::move(fit), 3);
   if (fit.ok()) fitter.Weigh(fit);
   return fit;
+}
+
+/// Whether an effect of the fit says that a nominal value has changed.
+bool Contest::MovesModes(const Fit& fit) const {
+  return std::any_of(study_.doubts().begin(), study_.doubts().end(),
+                     [&](const Doubt& doubt) { return AsDoubt(doubt, fit).has_value(); });
 }
 
 /// Whether a fit leaves nothing to gain for others: neither in the residual nor in what it asks of the machine.
@@ -240,14 +246,14 @@ Hypothesis Contest::Beside(const Fit& fit) const {
 
 /// Carries a hypothesis to the full records over shorter ones. A sharp mode beside its true frequency loses the phase
 /// within a second, the best amplitude there is none, and no slope leads on: over a short part it is still downhill.
-/// What is short tells modes, not effects; these are held at first.
+/// What is short tells modes, not effects; these are held at first, unless they are what moves the modes.
 Fit Contest::Warm(const Fit& cold, const Fitter& last) {
   Fit fit = cold;
   for (const Study& rung : rungs_) {
     if (rung.measured().size() < 50 * static_cast<Eigen::Index>(rung.channels().size())) continue;
     fit = FitAt(rung, std::move(fit.hypothesis));
     if (!fit.ok()) return cold;
-    const bool modes = &rung != &rungs_.back();
+    const bool modes = &rung != &rungs_.back() && !MovesModes(cold);
     fit = Fitter(rung, WhitenerOf(rung, fit, 0)).Polish(std::move(fit), 4, modes ? Moves::kDoubts : Moves::kAll);
     simulations_ += fit.simulations;
     if (!fit.ok()) return cold;

@@ -39,6 +39,7 @@ class Contest {
   std::optional<Assumed> AsEffect(const Doubt& doubt, double z) const;
   void Race(std::vector<Fit>& fits, const Fit& null);
   Fit FromItsOwn(Fit fit, const Fitter& fitter) const;
+  bool MovesModes(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;
   void Challenge(const std::vector<Assumed>& entrants, std::vector<Fit>& fits);

@@ -4,17 +4,32 @@
 #include <cmath>
 
 namespace dynoproof::diagnosis {
+namespace {
+
+/// How far a parameter is from its origin. One that has come to nothing beside others of its kind (friction in one
+/// direction only) keeps a tenth of theirs: by its own measure it would not find back.
+double ScaleOf(const Assumed& assumed, std::size_t parameter) {
+  const std::vector<EffectParameter>& parameters = assumed.effect->info().parameters;
+  double scale = 0.0;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].unit != parameters[parameter].unit) continue;
+    const double origin = std::isfinite(parameters[i].neutral) ? parameters[i].neutral : 0.0;
+    scale = std::max(scale, (i == parameter ? 1.0 : 0.1) * std::abs(assumed.parameters[i] - origin));
+  }
+  return scale;
+}
+
+}  // namespace
 
 Coordinates::Coordinates(const std::vector<Assumed>& effects) : effects_(effects) {
   for (const Assumed& assumed : effects) {
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
       const EffectParameter& p = assumed.effect->info().parameters[i];
       Axis axis{p.lower, p.upper, 0.0, 1.0, false};
-      const double value = assumed.parameters[i];
       axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
       if (!axis.log) {
         axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;
-        axis.scale = std::abs(value - axis.origin);
+        axis.scale = ScaleOf(assumed, i);
         if (!(axis.scale > 0.0)) axis.scale = std::abs(p.start - axis.origin);
         if (!(axis.scale > 0.0)) axis.scale = 1e-3 * (p.upper - p.lower);
       }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "diagnosis/coordinates.h"
 #include "diagnosis/fit.h"
@@ -40,17 +41,14 @@ class JointCost : public ceres::CostFunction {
   /// Where a Jacobian was asked for, `at` keeps the point, its prediction and the doubts' part of the Jacobian: the
   /// search asks for one at every point that it accepts.
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Eigen::Map<const Eigen::VectorXd> x(parameters[0], parameter_block_sizes()[0]);
-    const Eigen::Index rows = study_.measured().size(), m = Doubts(), p = x.size() - m;
+    const Eigen::Map<const Eigen::VectorXd> asked(parameters[0], parameter_block_sizes()[0]);
+    const Eigen::Index rows = study_.measured().size(), m = Doubts(), p = asked.size() - m;
     const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
-    if (!(derive ? Derive(x) : Simulate(x))) return false;
-    Eigen::Map<Eigen::VectorXd> out(residuals, rows + m);
-    out.head(rows) = whitener_(study_.measured() - tried_.predicted);
-    out.tail(m) = x.tail(m);
+    if (!Meet(asked)) return false;
+    if (derive && !Derive()) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, rows + m) = tried_.residual;
     if (!derive) return true;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0],
-                                                                                                out.size(), p + m);
-    jacobian.setZero();
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows + m, p + m);
     at_.doubts.jacobian.resize(rows, m);
     for (Eigen::Index k = 0; k < p + m; ++k) {
       jacobian.col(k).head(rows) = -whitener_(slopes_.col(k));
@@ -58,10 +56,15 @@ class JointCost : public ceres::CostFunction {
       jacobian(rows + k - p, k) = 1.0;
       at_.doubts.jacobian.col(k - p) = slopes_.col(k) / at_.doubts.freedom[Num(at_.doubts.free[Num(k - p)])];
     }
-    at_.hypothesis = At(x.data());
+    Hold(jacobian);
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], rows + m, p + m) =
+        jacobian;
+    base_ = tried_;
+    jacobian_ = std::move(jacobian);
+    at_.hypothesis = At(tried_.x.data());
     at_.doubts.z0 = at_.hypothesis.z;
     at_.predicted = tried_.predicted;
-    return jacobian.allFinite();  // two runs that stand may lie too far apart
+    return jacobian_.allFinite();  // two runs that stand may lie too far apart
   }
 
   /// Whether the last slopes are differences.
@@ -69,39 +72,96 @@ class JointCost : public ceres::CostFunction {
 
  private:
   struct Point {
-    Eigen::VectorXd x, predicted;
+    Eigen::VectorXd asked, x, predicted, residual;  // x: where the search asks for `asked`
   };
 
-  /// tried_ at x.
-  bool Simulate(const Eigen::VectorXd& x) const {
-    if (tried_.x.size() == x.size() && (tried_.x.array() == x.array()).all()) return true;
+  std::optional<Point> Simulated(Eigen::VectorXd x) const {
     ++at_.simulations;
     Result<Eigen::VectorXd> predicted = study_.Predict(At(x.data()));
-    if (!predicted.ok() || !predicted->allFinite()) return false;
-    tried_ = {x, *std::move(predicted)};
+    if (!predicted.ok() || !predicted->allFinite()) return std::nullopt;
+    Point point{{}, std::move(x), *std::move(predicted), {}};
+    point.residual.resize(study_.measured().size() + Doubts());
+    point.residual << whitener_(study_.measured() - point.predicted), point.x.tail(Doubts());
+    return point;
+  }
+
+  /// tried_ where the search wants to go: straight on from the last slopes' point, or along a parabola where straight
+  /// on leads up the wall of a curved valley.
+  bool Meet(const Eigen::VectorXd& asked) const {
+    if (Is(tried_.asked, asked)) return true;
+    const Eigen::VectorXd step = base_.x.size() > 0 ? Eigen::VectorXd(asked - base_.asked) : Eigen::VectorXd();
+    std::optional<Point> met = Simulated(base_.x.size() > 0 ? Inside(base_.x + step) : asked);
+    if (step.size() > 0 && step.squaredNorm() > 0.0) {
+      const double here = base_.residual.squaredNorm();
+      const double foretold = here - (base_.residual + jacobian_ * step).squaredNorm();
+      if (!met || here - met->residual.squaredNorm() < 0.25 * foretold) {
+        std::optional<Point> bent = Bent(step);
+        if (bent && (!met || bent->residual.squaredNorm() < met->residual.squaredNorm())) met = std::move(bent);
+      }
+    }
+    if (!met) return false;
+    met->asked = asked;
+    tried_ = *std::move(met);
     return true;
   }
 
-  /// tried_ and slopes_ at x. As long as the slopes foretell most of each step they are corrected by what they missed
+  /// A sharp mode's frequency must not change by more than its width, whatever else does: such hypotheses lie in narrow
+  /// curved valleys, in which straight steps get nowhere. The second derivative along the step, from one simulation at
+  /// a tenth of it, tells how the valley bends (geodesic acceleration, Transtrum and Sethna 2012).
+  std::optional<Point> Bent(const Eigen::VectorXd& step) const {
+    constexpr double kShare = 0.1, kMostBent = 0.75;
+    const std::optional<Point> near = Simulated(Inside(base_.x + kShare * step));
+    if (!near) return std::nullopt;
+    Eigen::MatrixXd curvature = jacobian_.transpose() * jacobian_;
+    const Eigen::VectorXd slope = jacobian_.transpose() * base_.residual;
+    // The damping that the search has just used follows from the step itself: (J'J + lambda I) step = -J'r.
+    curvature.diagonal().array() += std::max(0.0, -(slope + curvature * step).dot(step) / step.squaredNorm());
+    const Eigen::VectorXd missed = (near->residual - base_.residual - kShare * jacobian_ * step) / (kShare * kShare);
+    const Eigen::VectorXd bend = -curvature.ldlt().solve(jacobian_.transpose() * missed);
+    if (!(bend.norm() < kMostBent * step.norm())) return std::nullopt;
+    return Simulated(Inside(base_.x + step + bend));
+  }
+
+  /// What is at a bound and wants further out, stays: the other unknowns then find their best without it.
+  void Hold(Eigen::MatrixXd& jacobian) const {
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const double rise = jacobian.col(k).dot(tried_.residual);
+      if ((tried_.x[k] <= coordinates_.lower(i) && rise > 0.0) || (tried_.x[k] >= coordinates_.upper(i) && rise < 0.0))
+        jacobian.col(k).setZero();
+    }
+  }
+
+  /// The effects' coordinates within their bounds.
+  Eigen::VectorXd Inside(Eigen::VectorXd x) const {
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      x[k] = std::clamp(x[k], coordinates_.lower(i), coordinates_.upper(i));
+    }
+    return x;
+  }
+
+  static bool Is(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return a.size() == b.size() && (a.array() == b.array()).all();
+  }
+
+  /// slopes_ at tried_. As long as the slopes foretell most of each step they are corrected by what they missed
   /// (Broyden 1965), which costs nothing; else, and every few steps, taken anew by differences.
-  bool Derive(const Eigen::VectorXd& x) const {
+  bool Derive() const {
     constexpr double kForetold = 0.2;
     constexpr int kMostInARow = 3;
-    if (!Simulate(x)) return false;
-    if (derived_.x.size() == x.size() && corrected_ < kMostInARow) {
-      const Eigen::VectorXd step = x - derived_.x;
-      const Eigen::VectorXd change = tried_.predicted - derived_.predicted;
+    if (base_.x.size() > 0 && corrected_ < kMostInARow && !Is(tried_.x, base_.x)) {
+      const Eigen::VectorXd step = tried_.x - base_.x;
+      const Eigen::VectorXd change = tried_.predicted - base_.predicted;
       const Eigen::VectorXd missed = change - slopes_ * step;
       if (whitener_(missed).norm() < kForetold * whitener_(change).norm()) {
         slopes_ += missed * (step / step.squaredNorm()).transpose();
         ++corrected_;
-        derived_ = tried_;
         return true;
       }
     }
     corrected_ = 0;
-    derived_ = tried_;
-    return Differences(x);
+    return Differences(tried_.x);
   }
 
   bool Differences(const Eigen::VectorXd& x) const {
@@ -131,9 +191,10 @@ class JointCost : public ceres::CostFunction {
   const Coordinates& coordinates_;
   Fit& at_;
   // What is known of the points the search has been at: it asks for residuals first, then there for slopes.
-  mutable Point tried_, derived_;
-  mutable Eigen::MatrixXd slopes_;  // of the prediction at derived_, by column of x
-  mutable int corrected_ = 0;       // times since the last differences
+  mutable Point tried_, base_;      // base_: where the slopes are
+  mutable Eigen::MatrixXd slopes_;  // of the prediction, by column of x
+  mutable Eigen::MatrixXd jacobian_;
+  mutable int corrected_ = 0;  // times since the last differences
 };
 
 /// Ends the search after so many accepted steps; what is tried and rejected costs one simulation.
@@ -169,15 +230,15 @@ Fit Fitter::Polish(Fit fit, int rounds, Moves moves) const {
     return fit;
   }
   problem.AddResidualBlock(&cost, nullptr, x.data());
-  for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    problem.SetParameterLowerBound(x.data(), static_cast<int>(i), coordinates.lower(i));
-    problem.SetParameterUpperBound(x.data(), static_cast<int>(i), coordinates.upper(i));
-  }
   AfterRounds callback(rounds);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
+  // Steps are damped in the unknowns' own units, spreads of the doubts and shares of the effects: by the data's units,
+  // a sharp mode would damp every step along its valley.
+  options.jacobi_scaling = false;
+  options.min_lm_diagonal = options.max_lm_diagonal = options.initial_trust_region_radius = 1.0;
   options.max_num_iterations = 6 * rounds;
-  options.function_tolerance = 0.5 / whitener_.rows();  // of chi2: a half, far below what decides
+  options.function_tolerance = 0.1 / whitener_.rows();  // of chi2: a tenth, far below what decides
   options.parameter_tolerance = 1e-9;
   options.callbacks.push_back(&callback);
   options.logging_type = ceres::SILENT;

@@ -185,6 +185,21 @@ class Searching {
     return fit;
   }
 
+  /// As long as there is anything to gain: an interval about a place that is not the best one would be none.
+  Fit ToItsPlace(Fit fit) const {
+    constexpr double kWorthIt = 0.5;  // of chi2
+    for (int k = 0; k < 8 && fit.ok(); ++k) {
+      const Fitter fitter(*study_, WhitenerOf(*study_, fit));
+      fitter.Weigh(fit);
+      const double before = fit.chi2;
+      Fit on = fitter.Polish(fit, 4);
+      if (!on.ok() || !(on.chi2 < before)) break;
+      fit = std::move(on);
+      if (before - fit.chi2 < kWorthIt) break;
+    }
+    return fit;
+  }
+
   /// The one effect of a pair whose other is none: it moves a nominal value by no more than its doubt, which had not
   /// found its place yet, or has no size that can be told from nothing.
   std::optional<Fit> FoldBack(const Fit& pair) {
@@ -266,9 +281,10 @@ class Searching {
       if (!fit.ok()) return;
       for (const int order : {0, Whitener::kOrder})
         fit = Fitter(*study_, WhitenerOf(*study_, leader != nullptr ? *leader : fit, order))
-                  .Polish(std::move(fit), order > 0 ? 4 : 2);
+                  .Polish(std::move(fit), order > 0 ? 12 : 2);
     };
     for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
+    if (!fits.empty() && fits[0].ok()) fits[0] = ToItsPlace(std::move(fits[0]));
     std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
     carry(null, fits.empty() ? nullptr : &fits.front());
     if (!null.ok()) return Failure{null.broken, study_->plan().id};

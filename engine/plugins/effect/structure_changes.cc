@@ -253,13 +253,13 @@ class SeriesElasticityEffect : public Effect {
 class CubicStiffnessEffect : public Effect {
  public:
   CubicStiffnessEffect() {
-    // Twists are 1e-4 ... 0.1 rad. 1e6 is 1e-3 of a soft shaft's 1e4 N m/rad at 3 mrad; 1e13 would double the 1e7 of
-    // a stiff one at 1 mrad. Softening by the same factor tears a shaft apart: its bound is a tenth, and a run that
+    // Twists are 1e-5 ... 0.1 rad. 1e6 is 1e-3 of a soft shaft's 1e4 N m/rad at 3 mrad; 1e18 would double the 1e8 of
+    // a stiff one at 0.01 mrad. Softening by the same factor tears a shaft apart: its bound is a tenth, and a run that
     // leaves the stable range must count as a bad fit.
     info_ = {"cubic_stiffness",
              "T = k d + k3 d^3 + c w",
              "a shaft that hardens (k3 > 0) or softens with its twist",
-             {{"k3", "N m/rad^3", "cubic stiffness", -1e12, 1e13, 0.0, 1e6}}};
+             {{"k3", "N m/rad^3", "cubic stiffness", -1e17, 1e18, 0.0, 1e6}}};
   }
 
   std::vector<Place> Places(const Plan& plan) const override {
