@@ -17,12 +17,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "base/random.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
 #include "score/series.h"
 #include "sim/simulate.h"
-#include "tests/blind/independent_line.h"
+#include "tests/blind/blind_case.h"
+#include "tests/blind/independent_cases.h"
 #include "trace/csv.h"
 
 namespace dynoproof::blind {
@@ -30,34 +30,6 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-/// Numbers of one case, in the order they are asked for.
-class Dice {
- public:
-  // Neighbouring seeds must not share cases: the hash adds seed and number.
-  Dice(std::uint64_t seed, std::uint64_t number) : seed_(seed * 1000003), number_(number) {}
-  double Uniform(double low, double high) { return low + (high - low) * RandomUniform(seed_, number_, next_++); }
-  double Sign() { return Uniform(0, 1) < 0.5 ? -1.0 : 1.0; }
-  double Normal() { return RandomNormal(seed_, number_, 1000000 + next_++); }
-  std::size_t Index(std::size_t count) {
-    return std::min(count - 1, static_cast<std::size_t>(Uniform(0.0, static_cast<double>(count))));
-  }
-
- private:
-  std::uint64_t seed_, number_, next_ = 0;
-};
-
-struct Columns {
-  std::vector<double> time;
-  std::map<std::string, std::vector<double>> inputs, outputs;
-};
-
-struct Case {
-  std::string kind, scenario, effect, at, generator;
-  std::vector<double> parameters;
-  double strength = 1.0;           // share of what counts as a fault worth finding
-  double noise = 0.0, size = 0.0;  // of the signals; effect over noise, as SizeOf() says
-};
 
 /// The same for plants of pressures; `size` is what the signal at the place swings by, and how far it goes.
 std::optional<std::vector<double>> PressureStrength(const std::string& name, bool air, double u, double sign,
@@ -252,59 +224,6 @@ void Write(const fs::path& file, const Columns& columns) {
   if (const Status failed = trace::WriteCsv(file, all)) throw std::runtime_error(failed->ToString());
 }
 
-/// Cases from the generator that shares no code with the engine.
-Columns FromIndependentLine(Case& hidden, Dice& dice, double duration_s, bool with_effect, bool unknown) {
-  IndependentLine line;
-  for (double& value : line.inertia) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
-  for (double& value : line.stiffness) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
-  for (double& value : line.damping) value *= 1.0 + 0.03 * dice.Uniform(-1.0, 1.0);
-  const std::size_t where = dice.Index(5), shaft = dice.Index(4), what = dice.Index(7);
-  const double u = dice.Uniform(0.7, 1.4);
-  if (unknown) {
-    if (what % 2 == 0) {
-      // A spring with hysteresis: stiffness that depends on the direction of twisting.
-      line.shaft[2] = [u](double d, double w) { return 0.25 * u * 3.36e6 * d * std::tanh(w / 0.05); };
-      hidden.effect = "spring with hysteresis";
-    } else {
-      line.load[4] = [u](double w) { return 20.0 * u * std::sin(40.0 * w); };
-      hidden.effect = "load that waves with the speed";
-    }
-  } else if (with_effect) {
-    const std::string inertia = "inertia:I" + std::to_string(where + 1), k = "shaft:k" + std::to_string(shaft + 1);
-    if (what == 0) {
-      hidden.effect = "viscous_friction", hidden.at = inertia, hidden.parameters = {10.0 * u};
-      line.load[where] = [b = 10.0 * u](double w) { return -b * w; };
-    } else if (what == 1) {
-      hidden.effect = "quadratic_drag", hidden.at = inertia, hidden.parameters = {1.5 * u};
-      line.load[where] = [b = 1.5 * u](double w) { return -b * w * std::abs(w); };
-    } else if (what == 2) {
-      hidden.effect = "inertia_change", hidden.at = inertia, hidden.parameters = {0.3 * u};
-      line.inertia[where] *= 1.0 + 0.3 * u;
-    } else if (what == 3) {
-      hidden.effect = "stiffness_change", hidden.at = k, hidden.parameters = {-0.2 * u};
-      line.stiffness[shaft] *= 1.0 - 0.2 * u;
-    } else if (what == 4) {
-      hidden.effect = "actuator_gain", hidden.at = "input:T_airgap", hidden.parameters = {1.0 + 0.08 * u};
-      line.actuator = [g = 1.0 + 0.08 * u](double x) { return g * x; };
-    } else if (what == 5) {
-      hidden.effect = "actuator_dead_zone", hidden.at = "input:T_airgap", hidden.parameters = {150.0 * u};
-      line.actuator = [h = 75.0 * u](double x) { return x > h ? x - h : x < -h ? x + h : 0.0; };
-    } else {
-      hidden.effect = "actuator_harmonic", hidden.at = "input:T_airgap", hidden.parameters = {0.1 * u, 0.05 * u};
-      line.actuator = [a = 0.1 * u, b = 0.05 * u](double x) { return x + a * x * x / 1000.0 + b * x * x * x / 1e6; };
-    }
-  } else if (hidden.kind == "decoy") {
-    line.start_speed = dice.Uniform(-3.0, 3.0);
-  }
-  const auto samples = static_cast<std::size_t>(duration_s * 1e4) + 1;
-  Columns columns;
-  for (std::size_t i = 0; i < samples; ++i) columns.time.push_back(1e-4 * static_cast<double>(i));
-  columns.inputs["T_airgap"] = IndependentTorque(samples, static_cast<unsigned>(dice.Uniform(1, 1e6)));
-  IndependentLine::Output output = line.Run(columns.inputs["T_airgap"]);
-  columns.outputs = {{"T_shaft", std::move(output.T_shaft)}, {"omega_1", std::move(output.omega_1)}};
-  return columns;
-}
-
 struct Suite {
   std::string program, out = "out/blind", kind, json_file;
   std::vector<std::string> scenarios, only;
@@ -337,16 +256,15 @@ std::string Judged(const Case& hidden, const json& result) {
   return verdict == "no_effect" ? "missed" : "abstained";
 }
 
-/// Share of the true parameters that lie inside their interval; nothing for other outcomes.
-std::optional<bool> Covered(const Case& hidden, const json& result, const Registry& registry) {
-  const Effect* effect = registry.FindEffect(hidden.effect);
-  if (effect == nullptr || result["effects"].empty()) return std::nullopt;
-  bool all = true;
+/// How many of the true parameters lie inside their interval, of a cause that was named right.
+int Covered(const Case& hidden, const json& result, const Registry& registry) {
+  const Effect& effect = *registry.FindEffect(hidden.effect);
+  int inside = 0;
   for (std::size_t i = 0; i < hidden.parameters.size(); ++i) {
-    const json& ci = result["effects"][0]["parameters"][effect->info().parameters[i].name]["ci95"];
-    all = all && hidden.parameters[i] >= ci[0].get<double>() && hidden.parameters[i] <= ci[1].get<double>();
+    const json& ci = result["effects"][0]["parameters"][effect.info().parameters[i].name]["ci95"];
+    inside += hidden.parameters[i] >= ci[0].get<double>() && hidden.parameters[i] <= ci[1].get<double>() ? 1 : 0;
   }
-  return all;
+  return inside;
 }
 
 /// Whether the extended scenario predicts the hold-out (the last 30 %) within 1.1 times the noise, every signal.
@@ -369,7 +287,8 @@ int Run(const Suite& suite) {
   Registry registry;
   RegisterBuiltIns(registry);
   std::map<std::string, std::map<std::string, int>> confusion, by_strength;
-  std::map<std::string, std::pair<int, int>> covered;
+  std::map<std::string, std::pair<int, int>> covered;  // parameters inside their intervals, of how many
+  std::pair<int, int> all_covered;
   json all = json::array();
   double seconds = 0.0;
   int effects = 0, wrong = 0, others = 0, alarms = 0, done = 0, at_noise = 0, right = 0;
@@ -385,19 +304,18 @@ int Run(const Suite& suite) {
                                       : "unknown";
     hidden.scenario = suite.scenarios[dice.Index(suite.scenarios.size())];
     hidden.noise = std::pow(10.0, dice.Uniform(-2.7, -1.7));
-    const bool independent = hidden.scenario == "diagnose/heavy_duty_lumped" && suite.only.empty() &&
-                             (hidden.kind == "unknown" || dice.Uniform(0, 1) < 0.3);
+    const bool independent = HasIndependent(hidden.scenario) && suite.only.empty() &&
+                             (hidden.kind == "unknown" || dice.Uniform(0, 1) < kIndependent);
     hidden.generator = independent ? "independent" : "reference";
-    if (hidden.kind == "unknown" && !independent) continue;
+    if (hidden.kind == "unknown" && hidden.scenario != "diagnose/heavy_duty_lumped") continue;
     Columns columns;
     try {
       if (independent) {
         Dice same = dice;
         Case plain = hidden;
-        columns =
-            FromIndependentLine(hidden, dice, suite.duration_s, hidden.kind == "effect", hidden.kind == "unknown");
+        columns = FromIndependent(hidden, dice, suite.duration_s, hidden.kind == "effect", hidden.kind == "unknown");
         if (hidden.kind == "effect" || hidden.kind == "unknown") {
-          hidden.size = SizeOf(columns, FromIndependentLine(plain, same, suite.duration_s, false, false), hidden.noise);
+          hidden.size = SizeOf(columns, FromIndependent(plain, same, suite.duration_s, false, false), hidden.noise);
           if (hidden.size < 3.0) continue;  // does not count
         }
       } else {
@@ -472,12 +390,16 @@ int Run(const Suite& suite) {
       ++others;
       alarms += outcome == "false alarm" ? 1 : 0;
     }
+    int inside = 0;
+    bool predicts = false;
     if (outcome == "right" && hidden.kind == "effect") {
       ++right;
-      at_noise += AtNoise(hidden, result, columns, clean) ? 1 : 0;
-      if (const auto inside = Covered(hidden, result, registry)) {
-        covered[row].first += *inside ? 1 : 0;
-        ++covered[row].second;
+      predicts = AtNoise(hidden, result, columns, clean);
+      inside = Covered(hidden, result, registry);
+      at_noise += predicts ? 1 : 0;
+      for (std::pair<int, int>* count : {&covered[row], &all_covered}) {
+        count->first += inside;
+        count->second += static_cast<int>(hidden.parameters.size());
       }
     }
     std::string found;
@@ -490,6 +412,7 @@ int Run(const Suite& suite) {
     all.push_back({{"number", number},
                    {"kind", hidden.kind},
                    {"scenario", hidden.scenario},
+                   {"generator", hidden.generator},
                    {"effect", hidden.effect},
                    {"at", hidden.at},
                    {"parameters", hidden.parameters},
@@ -499,6 +422,8 @@ int Run(const Suite& suite) {
                    {"outcome", outcome},
                    {"verdict", result.value("verdict", "broken")},
                    {"found", found},
+                   {"inside", inside},
+                   {"at_noise", predicts},
                    {"seconds", took}});
     if (outcome == "right") fs::remove_all(folder);
   }
@@ -516,12 +441,19 @@ int Run(const Suite& suite) {
   }
   std::cout << fmt::format(
       "\n{} cases, {:.1f} s each; wrong cause {} of {} (95 % upper bound {:.1f} %), false alarms {} of {} ({:.1f} %)\n"
-      "of {} right causes the extended scenario predicts {} within 1.1 times the noise\n",
+      "of {} right causes the extended scenario predicts {} within 1.1 times the noise; {} of {} parameters lie inside "
+      "their intervals\n",
       done, seconds / std::max(1, done), wrong, effects, 100.0 * UpperBound(wrong, effects), alarms, others,
-      100.0 * UpperBound(alarms, others), right, at_noise);
+      100.0 * UpperBound(alarms, others), right, at_noise, all_covered.first, all_covered.second);
   if (!suite.json_file.empty()) std::ofstream(suite.json_file) << all.dump(2) << "\n";
   if (suite.line) {
-    json line = {{"cases", done}, {"effects", effects}, {"others", others}};
+    json line = {{"cases", done},
+                 {"effects", effects},
+                 {"others", others},
+                 {"causes", right},
+                 {"predicted", at_noise},
+                 {"parameters", all_covered.second},
+                 {"inside", all_covered.first}};
     for (const char* outcome : {"right", "in the set", "abstained", "missed", "wrong", "false alarm", "broken"}) {
       line[outcome] = 0;
       for (const auto& [row, outcomes] : confusion)
