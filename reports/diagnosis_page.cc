@@ -12,10 +12,10 @@ using diagnosis::Diagnosis;
 std::string Number(double value) { return fmt::format("{:.4g}", value); }
 std::string Unit(const std::string& unit) { return unit == "1" ? "" : Escape(unit); }
 
-std::string Spans(const std::vector<std::pair<double, double>>& spans) {
+std::string Spans(const std::vector<std::pair<double, double>>& spans, const char* unit, const char* none) {
   std::string text;
   for (const auto& [from, to] : spans) text += fmt::format("{}{:.4g} ... {:.4g}", text.empty() ? "" : ", ", from, to);
-  return text.empty() ? "no part in particular" : text;
+  return text.empty() ? none : text + " " + unit;
 }
 
 std::string Causes(const Diagnosis& d) {
@@ -117,9 +117,10 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
     body += fmt::format("<p>Extended scenario: <code>{}</code></p>\n", Escape(d.extended_scenario));
   body += Gains(d);
   body += fmt::format(
-      "<h2>Where it is wrong</h2>\n<p>Most in {}; from {} s; at {} Hz{}.</p>\n<p>What is left {} the noise floor "
+      "<h2>Where it is wrong</h2>\n<p>Most in {}; at {}; at {}{}.</p>\n<p>What is left {} the noise floor "
       "(NRMSE {}).</p>\n",
-      Escape(d.where.signal), Spans(d.where.when_s), Spans(d.where.frequency_hz),
+      Escape(d.where.signal), Spans(d.where.when_s, "s", "no time in particular"),
+      Spans(d.where.frequency_hz, "Hz", "no frequency in particular"),
       d.where.condition.empty() ? "" : "; " + Escape(d.where.condition), d.at_noise_floor ? "is at" : "is above",
       Number(d.noise_floor));
   if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
