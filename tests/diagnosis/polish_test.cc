@@ -1,0 +1,102 @@
+// A fit on its way: sharp modes make the valleys of chi2 narrow and curved.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "diagnosis/fit.h"
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr std::size_t kRows = 14001;
+constexpr double kNoise = 0.003;  // of each signal
+
+std::shared_ptr<const std::vector<double>> Shared(std::vector<double> values) {
+  return std::make_shared<const std::vector<double>>(std::move(values));
+}
+
+class SlowPolish : public testing::Test {
+ protected:
+  SlowPolish() {
+    RegisterBuiltIns(registry_);
+    Diagnostics diagnostics;
+    plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
+    std::vector<double> time, torque;
+    for (std::uint64_t i = 0; i < kRows; ++i) {
+      time.push_back(1e-4 * static_cast<double>(i));
+      torque.push_back(300.0 * RandomNormal(5, 1, i));
+    }
+    time_ = Shared(std::move(time));
+    record_.inputs["T_airgap"] = {time_, Shared(std::move(torque))};
+    record_.end_s = time_->back();
+  }
+
+  Assumed Softer(double delta) const {
+    return {registry_.FindEffect("stiffness_change"), *ParsePlace("shaft:k3"), {delta}};
+  }
+
+  /// The record of a machine whose shaft k3 is softer than it should be, with noise.
+  Study Measured(double delta) {
+    MappedRecord silent = record_;
+    for (const char* output : {"T_shaft", "omega_1"})
+      silent.outputs[output] = {time_, Shared(std::vector<double>(kRows, 1.0))};
+    const Study study(*plan_, {silent}, registry_);
+    Hypothesis truth = study.Nominal();
+    truth.effects = {Softer(delta)};
+    const Result<Eigen::VectorXd> clean = study.Predict(truth);
+    EXPECT_TRUE(clean.ok());
+    std::uint64_t stream = 2;
+    for (const Channel& channel : study.channels()) {
+      const Eigen::VectorXd rows = clean->segment(channel.begin, channel.count);
+      const double sigma = kNoise * std::sqrt((rows.array() - rows.mean()).square().mean());
+      std::vector<double> values(rows.begin(), rows.end());
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(5, stream, i);
+      record_.outputs[channel.name] = {time_, Shared(std::move(values))};
+      ++stream;
+    }
+    return Study(*plan_, {record_}, registry_);
+  }
+
+  Registry registry_;
+  std::optional<Plan> plan_;
+  std::shared_ptr<const std::vector<double>> time_;
+  MappedRecord record_;
+};
+
+// Nominal values that were driven off beside a wrong size explain the record as well, up to what the prior says of
+// them. From there the way to the truth leads along frequencies that must not change by a millionth.
+TEST_F(SlowPolish, FindsBackAlongACurvedValley) {
+  const Study study = Measured(-0.2);
+  Hypothesis wrong = study.Nominal();
+  wrong.effects = {Softer(-0.12)};
+  Fit fit = FitAt(study, wrong);
+  for (int k = 0; k < 6; ++k) fit = Fitter(study, WhitenerOf(study, fit, 0)).Polish(std::move(fit), 4, Moves::kDoubts);
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  const double strained = Farthest(study, fit);
+  ASSERT_GT(strained, 2.0) << "no valley to be caught in";
+  // Straight steps, damped by the data's own units, leave 2.4 spreads of strain after as many rounds.
+  fit = Fitter(study, WhitenerOf(study, fit, 0)).Polish(std::move(fit), 8);
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  EXPECT_NEAR(fit.hypothesis.effects[0].parameters[0], -0.2, 0.004);
+  EXPECT_LT(Farthest(study, fit), 1.8);
+}
+
+// A parameter at its bound that wants further out stays there, and the others find their best without it.
+TEST_F(SlowPolish, StaysInsideItsBounds) {
+  const Study study = Measured(-0.2);
+  Hypothesis start = study.Nominal();
+  start.effects = {{registry_.FindEffect("viscous_friction"), *ParsePlace("inertia:I3"), {0.0}}};
+  Fit fit = FitAt(study, start);
+  fit = Fitter(study, WhitenerOf(study, fit, 0)).Polish(std::move(fit), 6);
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  EXPECT_GE(fit.hypothesis.effects[0].parameters[0], 0.0);
+  const Fit alone = Fitter(study, WhitenerOf(study, fit, 0)).Polish(FitAt(study, study.Nominal()), 6);
+  EXPECT_LE(WhitenerOf(study, fit, 0)(study.measured() - fit.predicted).squaredNorm(),
+            1.02 * WhitenerOf(study, fit, 0)(study.measured() - alone.predicted).squaredNorm());
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
