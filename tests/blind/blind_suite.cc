@@ -123,6 +123,19 @@ std::vector<double> Weaker(const Effect& effect, std::vector<double> parameters,
   return parameters;
 }
 
+/// What a relative change is by the scenario's own value, which the machine did not quite have before either: that is
+/// what a diagnosis can find.
+void AgainstNominal(Case& hidden, const Place& place, const Plan& nominal, const Plan& changed) {
+  static const std::map<std::string, std::string> kKeys = {{"inertia_change", "inertia_kg_m2"},
+                                                           {"stiffness_change", "stiffness_Nm_per_rad"},
+                                                           {"damping_change", "damping_Nms_per_rad"}};
+  const auto key = kKeys.find(hidden.effect);
+  if (key == kKeys.end()) return;
+  const std::string of = fmt::format("plant.{}.{}", place.kind, place.name);
+  const std::string path = place.kind == "inertia" ? of : of + "." + key->second;
+  hidden.parameters = {changed.root.FindPath(path)->number() / nominal.root.FindPath(path)->number() - 1.0};
+}
+
 /// Runs a plan with `reference`: another method, step and tolerance than what diagnoses.
 Columns Simulated(const Plan& plan, const Registry& registry) {
   Diagnostics diagnostics;
@@ -352,6 +365,7 @@ int Run(const Suite& suite) {
           columns = Simulated(changed, registry);
           hidden.effect = effect->info().name;
           hidden.at = place.ToString();
+          AgainstNominal(hidden, place, nominal, changed);
           hidden.size = SizeOf(columns, without, hidden.noise);
           if (hidden.size < 3.0) continue;  // does not count
         } else {

@@ -26,6 +26,12 @@ std::vector<double> Plus(double constant, std::vector<double> values) {
   return values;
 }
 
+void Hide(Case& hidden, const char* effect, const std::string& at, double parameter) {
+  hidden.effect = effect;
+  hidden.at = at;
+  hidden.parameters = {parameter};
+}
+
 Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, bool unknown) {
   IndependentLine line;
   for (double& value : line.inertia) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
@@ -51,11 +57,11 @@ Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, 
       hidden.effect = "quadratic_drag", hidden.at = inertia, hidden.parameters = {1.5 * u};
       line.load[where] = [b = 1.5 * u](double w) { return -b * w * std::abs(w); };
     } else if (what == 2) {
-      hidden.effect = "inertia_change", hidden.at = inertia, hidden.parameters = {0.3 * u};
       line.inertia[where] *= 1.0 + 0.3 * u;
+      Hide(hidden, "inertia_change", inertia, line.inertia[where] / IndependentLine().inertia[where] - 1.0);
     } else if (what == 3) {
-      hidden.effect = "stiffness_change", hidden.at = k, hidden.parameters = {-0.2 * u};
       line.stiffness[shaft] *= 1.0 - 0.2 * u;
+      Hide(hidden, "stiffness_change", k, line.stiffness[shaft] / IndependentLine().stiffness[shaft] - 1.0);
     } else if (what == 4) {
       hidden.effect = "actuator_gain", hidden.at = "input:T_airgap", hidden.parameters = {1.0 + 0.08 * u};
       line.actuator = [g = 1.0 + 0.08 * u](double x) { return g * x; };
@@ -98,12 +104,6 @@ std::vector<double> ThroughSensor(const Case& hidden, const std::string& output,
     if (hidden.effect == "sensor_drift") values[i] += p * period_s * static_cast<double>(i);
   }
   return values;
-}
-
-void Hide(Case& hidden, const char* effect, const std::string& at, double parameter) {
-  hidden.effect = effect;
-  hidden.at = at;
-  hidden.parameters = {parameter};
 }
 
 Columns GasCase(Case& hidden, Dice& dice, bool with_effect) {
