@@ -117,11 +117,11 @@ std::string ToTable(const Diagnosis& d) {
     text += fmt::format("    {} = {:.6g} (nominal {:.6g})\n", one.path, one.value, one.nominal);
   if (!d.considered.empty()) text += "\n  considered\n";
   for (const Considered& one : d.considered)
-    text += fmt::format("    {:<22}{:<22} validation {:.4g}  {}\n", one.name, one.at, one.validation_nrmse,
+    text += fmt::format("    {:<21} {:<21} validation {:.4g}  {}\n", one.name, one.at, one.validation_nrmse,
                         one.why_not.empty() ? "the best" : one.why_not);
   if (!d.would_have_seen.empty()) text += "\n  smallest strength that would have been seen\n";
   for (const Seen& seen : d.would_have_seen)
-    text += fmt::format("    {:<22}{:<22} {:.3g} {}\n", seen.name, seen.at, seen.smallest, seen.unit);
+    text += fmt::format("    {:<21} {:<21} {:.3g} {}\n", seen.name, seen.at, seen.smallest, seen.unit);
   if (!d.extended_scenario.empty()) text += fmt::format("\n  extended scenario: {}\n", d.extended_scenario);
   return text;
 }

@@ -32,11 +32,25 @@ struct Columns {
   std::map<std::string, std::vector<double>> inputs, outputs;
 };
 
-struct Case {
-  std::string kind, scenario, effect, at, generator;
+/// An effect that was hidden, as the contract names it.
+struct Cause {
+  std::string effect, at;
   std::vector<double> parameters;
+};
+
+struct Case {
+  std::string kind, scenario, generator;  // kind: effect, pair, null, decoy or unknown
+  std::vector<Cause> causes;
+  std::string unknown;             // what is hidden that is not in the contract's list
   double strength = 1.0;           // share of what counts as a fault worth finding
   double noise = 0.0, size = 0.0;  // of the signals; effect over noise, as SizeOf() says
 };
+
+/// A case counts from here on.
+inline constexpr double kSmallestSize = 3.0;
+
+/// RMS of the difference over the noise, of the signal that shows most; of the training part or the hold-out (the last
+/// 30 %), whichever shows less: nobody finds what one of them does not hold.
+double SizeOf(const Columns& with, const Columns& without, double noise);
 
 }  // namespace dynoproof::blind

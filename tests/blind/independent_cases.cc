@@ -27,9 +27,7 @@ std::vector<double> Plus(double constant, std::vector<double> values) {
 }
 
 void Hide(Case& hidden, const char* effect, const std::string& at, double parameter) {
-  hidden.effect = effect;
-  hidden.at = at;
-  hidden.parameters = {parameter};
+  hidden.causes = {{effect, at, {parameter}}};
 }
 
 Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, bool unknown) {
@@ -43,18 +41,18 @@ Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, 
     if (what % 2 == 0) {
       // A spring with hysteresis: stiffness that depends on the direction of twisting.
       line.shaft[2] = [u](double d, double w) { return 0.25 * u * 3.36e6 * d * std::tanh(w / 0.05); };
-      hidden.effect = "spring with hysteresis";
+      hidden.unknown = "spring with hysteresis";
     } else {
       line.load[4] = [u](double w) { return 20.0 * u * std::sin(40.0 * w); };
-      hidden.effect = "load that waves with the speed";
+      hidden.unknown = "load that waves with the speed";
     }
   } else if (with_effect) {
     const std::string inertia = "inertia:I" + std::to_string(where + 1), k = "shaft:k" + std::to_string(shaft + 1);
     if (what == 0) {
-      hidden.effect = "viscous_friction", hidden.at = inertia, hidden.parameters = {10.0 * u};
+      hidden.causes = {{"viscous_friction", inertia, {10.0 * u}}};
       line.load[where] = [b = 10.0 * u](double w) { return -b * w; };
     } else if (what == 1) {
-      hidden.effect = "quadratic_drag", hidden.at = inertia, hidden.parameters = {1.5 * u};
+      hidden.causes = {{"quadratic_drag", inertia, {1.5 * u}}};
       line.load[where] = [b = 1.5 * u](double w) { return -b * w * std::abs(w); };
     } else if (what == 2) {
       line.inertia[where] *= 1.0 + 0.3 * u;
@@ -63,13 +61,13 @@ Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, 
       line.stiffness[shaft] *= 1.0 - 0.2 * u;
       Hide(hidden, "stiffness_change", k, line.stiffness[shaft] / IndependentLine().stiffness[shaft] - 1.0);
     } else if (what == 4) {
-      hidden.effect = "actuator_gain", hidden.at = "input:T_airgap", hidden.parameters = {1.0 + 0.08 * u};
+      hidden.causes = {{"actuator_gain", "input:T_airgap", {1.0 + 0.08 * u}}};
       line.actuator = [g = 1.0 + 0.08 * u](double x) { return g * x; };
     } else if (what == 5) {
-      hidden.effect = "actuator_dead_zone", hidden.at = "input:T_airgap", hidden.parameters = {150.0 * u};
+      hidden.causes = {{"actuator_dead_zone", "input:T_airgap", {150.0 * u}}};
       line.actuator = [h = 75.0 * u](double x) { return x > h ? x - h : x < -h ? x + h : 0.0; };
     } else {
-      hidden.effect = "actuator_harmonic", hidden.at = "input:T_airgap", hidden.parameters = {0.1 * u, 0.05 * u};
+      hidden.causes = {{"actuator_harmonic", "input:T_airgap", {0.1 * u, 0.05 * u}}};
       line.actuator = [a = 0.1 * u, b = 0.05 * u](double x) { return x + a * x * x / 1000.0 + b * x * x * x / 1e6; };
     }
   } else if (hidden.kind == "decoy") {
@@ -87,21 +85,26 @@ Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, 
 /// What a channel's chain does to it, at the substeps of a simulation: dead time or lag where the effect is there.
 std::vector<double> ThroughChain(const Case& hidden, const std::string& input, const std::vector<double>& values,
                                  double period_s, int substeps) {
-  const bool here = hidden.at == "input:" + input;
-  if (here && hidden.effect == "actuator_lag") return Lagged(values, hidden.parameters[0], period_s, substeps);
-  const double delay_s = here && hidden.effect == "actuator_delay" ? hidden.parameters[0] : 0.0;
+  double delay_s = 0.0;
+  for (const Cause& cause : hidden.causes) {
+    if (cause.at != "input:" + input) continue;
+    if (cause.effect == "actuator_lag") return Lagged(values, cause.parameters[0], period_s, substeps);
+    if (cause.effect == "actuator_delay") delay_s = cause.parameters[0];
+  }
   return Delayed(values, delay_s, period_s, substeps);
 }
 
 /// The same for a sensor; the values are samples.
 std::vector<double> ThroughSensor(const Case& hidden, const std::string& output, std::vector<double> values,
                                   double period_s) {
-  if (hidden.at != "output:" + output) return values;
-  const double p = hidden.parameters[0];
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (hidden.effect == "sensor_offset") values[i] += p;
-    if (hidden.effect == "sensor_gain") values[i] *= p;
-    if (hidden.effect == "sensor_drift") values[i] += p * period_s * static_cast<double>(i);
+  for (const Cause& cause : hidden.causes) {
+    if (cause.at != "output:" + output) continue;
+    const double p = cause.parameters[0];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (cause.effect == "sensor_offset") values[i] += p;
+      if (cause.effect == "sensor_gain") values[i] *= p;
+      if (cause.effect == "sensor_drift") values[i] += p * period_s * static_cast<double>(i);
+    }
   }
   return values;
 }
