@@ -235,7 +235,11 @@ class Searching {
     if (pairs.size() > 3) pairs.resize(3);
     contest_.Decide(EntrantsOf(screened_), pairs, nominal);
     std::optional<Fit> alone = pairs.empty() ? std::nullopt : FoldBack(pairs.front());
-    if (alone) pairs = {std::move(*alone)};
+    if (alone) {
+      // Who it left behind on its way has to be asked again, its own law at other places first.
+      pairs = {std::move(*alone)};
+      contest_.Decide(EntrantsOf(found_.screened), pairs, nominal);
+    }
     std::vector<Structure> left;
     if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
     if (pairs.empty()) return {};

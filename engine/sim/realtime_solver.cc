@@ -1,10 +1,11 @@
 // Solver `realtime`: fixed work per period. The linear part of the rig is carried exactly in modal coordinates. Where
 // something is nonlinear, an interval is cut into equal substeps; in each, the nonlinear laws and parts are taken to
 // change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
-// (second order). Friction that may stick is held over the substep at the value that stops the motion at its end, or
-// slips (time stepping with the set-valued law: no events, no chatter). A law with modes that do not stick (contact)
-// may change its mode once in a substep, at the zero of its guard: along the cubic of the twist its torque enters with
-// its right mean and first moment, before and behind the jump (fourth order). Nothing is allocated in a step.
+// (second order). Friction that slips on does so too; where it may stick it is held over the substep at the value that
+// stops the motion at its end (time stepping with the set-valued law: no events, no chatter). A law with modes that do
+// not stick (contact) may change its mode once in a substep, at the zero of its guard: along the cubic of the twist its
+// torque enters with its right mean and first moment, before and behind the jump (fourth order). Nothing is allocated
+// in a step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -362,15 +363,28 @@ class RealtimeSolver : public Solver {
     });
   }
 
-  /// The friction torque that stops the relative motion at the end of the substep, or that of slipping.
-  double StickOrSlip(std::size_t e, double time_s, double now, double gain, std::span<const double> own) const {
-    const double rate_without = Rate(y_, e) - gain * now;  // with no torque in this channel
-    const double hold = -rate_without / gain;
+  /// A torque over a substep.
+  struct Straight {
+    double begin, change;
+  };
+  /// Friction over a substep, where the relative speed would be `without` at its end without any. Who slips on in the
+  /// same direction has the torques of both ends (second order); else it is held at the value that stops the motion at
+  /// the end, or slips.
+  Straight StickOrSlip(std::size_t e, double time_s, double h, double without, double gain, double ramp_gain,
+                       std::span<const double> own) const {
+    const double end_s = time_s + h, rate = Rate(y0_, e), at_end = Rate(y_, e);
+    if (rate * at_end > 0.0) {
+      const int sign = rate > 0.0 ? 1 : -1;
+      const double begin = Law_(e).SlipTorque({time_s, Twist(y0_, e), rate, 0.0, own, {}}, sign);
+      const double end = Law_(e).SlipTorque({end_s, Twist(y_, e), at_end, 0.0, own, {}}, sign);
+      if ((without + gain * begin + ramp_gain * (end - begin)) * rate > 0.0) return {begin, end - begin};
+    }
+    const double hold = -without / gain;
     const int sign = hold > 0.0 ? 1 : -1;
-    double slip = Law_(e).SlipTorque({time_s, Twist(y_, e), 0.0, hold, own, {}}, sign);
-    if (std::abs(hold) <= std::abs(slip)) return hold;
-    slip = Law_(e).SlipTorque({time_s, Twist(y_, e), rate_without + gain * slip, hold, own, {}}, sign);
-    return std::copysign(std::min(std::abs(slip), std::abs(hold)), hold);  // friction never drives
+    double slip = Law_(e).SlipTorque({end_s, Twist(y_, e), 0.0, hold, own, {}}, sign);
+    if (std::abs(hold) <= std::abs(slip)) return {hold, 0.0};
+    slip = Law_(e).SlipTorque({end_s, Twist(y_, e), without + gain * slip, hold, own, {}}, sign);
+    return {std::copysign(std::min(std::abs(slip), std::abs(hold)), hold), 0.0};  // friction never drives
   }
 
   void Substep(Frame& frame, const Step& step, double time_s, int number) {
@@ -459,8 +473,13 @@ class RealtimeSolver : public Solver {
     }
     AdvanceLaw(e, time_s, step.length_s, own);
     if (Law_(e).sticks()) {
-      const double gain = step.propagator.held_gain()(group_.writes.size() + 2 * e + 1, column);
-      held_[column] = StickOrSlip(e, time_s + step.length_s, held_[column], gain, own);
+      const auto row = static_cast<Eigen::Index>(group_.writes.size() + 2 * e + 1);
+      const double gain = step.propagator.held_gain()(row, column),
+                   ramp_gain = step.propagator.ramp_gain()(row, column);
+      const double without = Rate(y_, e) - gain * held_[column] - ramp_gain * ramp_[column];
+      const Straight torque = StickOrSlip(e, time_s, step.length_s, without, gain, ramp_gain, own);
+      held_[column] = torque.begin;
+      ramp_[column] = torque.change;
     } else {
       ramp_[column] = BeyondLinear(e, time_s + step.length_s, y_, own) - v0_[column];
     }

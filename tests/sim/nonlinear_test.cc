@@ -45,6 +45,23 @@ TEST(DryFriction, BreaksAwayWhenTheHeldTorqueJumpsAboveTheLimit) {
   }
 }
 
+/// Who slips on has the torques of both ends of a substep: w' = -(T_c + b w) / I in closed form, second order.
+TEST(DryFriction, SlipsWithSecondOrder) {
+  const auto error = [](int substeps) {
+    Plan plan = OneMass(0.5, Value{{"type", "constant"}, {"value", 0.0}}, 0.3);
+    plan.root["plant"]["initial_speed_rad_per_s"] = Value(2.0);
+    plan.root["plant"]["load"]["friction"] =
+        Value{{"on", "I"},         {"law", "asymmetric"},      {"T_c_pos_Nm", 1.0},
+              {"T_c_neg_Nm", 4.0}, {"b_pos_Nms_per_rad", 3.0}, {"b_neg_Nms_per_rad", 0.0}};
+    plan.root["run"]["realtime"] = Value{{"substeps", substeps}};
+    const Samples samples = RunPlan(plan, "realtime");
+    const double exact = (2.0 + 1.0 / 3.0) * std::exp(-6.0 * samples.time.back()) - 1.0 / 3.0;
+    return std::abs(samples.outputs[0].back() - exact);
+  };
+  EXPECT_LT(error(1), 1e-7);
+  EXPECT_NEAR(std::log2(error(1) / error(2)), 2.0, 0.3);
+}
+
 /// Undamped pendulum-like shaft with cubic stiffness to a heavy body: energy is conserved, both solvers agree, and the
 /// error of `realtime` falls with the square of the substep.
 TEST(CubicSpring, RealtimeConvergesWithSecondOrder) {
