@@ -88,17 +88,20 @@ double Correlation(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<
   return scale > 0.0 ? x.dot(y) / scale : 0.0;
 }
 
-std::optional<std::string> WrongUnit(double factor) {
+/// `unit`: what the signal should be in. A pressure knows no turns.
+std::optional<std::string> WrongUnit(double factor, const std::string& unit) {
   struct Suspect {
     double factor;
     const char* text;
   };
+  const bool turns = unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
   static constexpr std::array<Suspect, 5> kSuspects = {{{1000.0, "a prefix: kilo or milli"},
                                                         {60.0, "minutes and seconds"},
                                                         {9.5493, "1/min and rad/s"},
                                                         {57.2958, "degrees and radians"},
                                                         {6.2832, "turns and radians (Hz and rad/s)"}}};
   for (const Suspect& suspect : kSuspects) {
+    if (!turns && suspect.factor < 1000.0) continue;
     for (const double f : {suspect.factor, 1.0 / suspect.factor}) {
       if (std::abs(std::log(factor / f)) < 0.03) return fmt::format("about {:.4g}: {}?", f, suspect.text);
     }
@@ -205,7 +208,7 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
                           0.0});
     const double factor = channel.spread / simulated_spread;
     if (std::abs(own) > 0.7) {
-      if (const auto unit = WrongUnit(factor))
+      if (const auto unit = WrongUnit(factor, channel.unit))
         findings.push_back(
             {true, "unit", channel.name, fmt::format("is {:.4g} times the simulation, {}", factor, *unit), 0, 0.0});
     }

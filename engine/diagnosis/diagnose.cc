@@ -68,8 +68,8 @@ class Diagnosing {
         beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
                             s.chi2_gain > 0.5 * without * without);
       }
-      // So is one that spares the nominal model a value far outside its doubt that no effect stands for.
-      beyond = beyond || (!strained.empty() && farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
+      // So is one that spares the nominal model a value far outside its doubt: it stands beside what says that value.
+      beyond = beyond || (farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
                           s.chi2_gain > 0.5 * farthest * farthest);
       if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
       if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
