@@ -40,7 +40,6 @@ int Diagnose(const DiagnoseArguments& arguments) {
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, arguments.holdout, arguments.overrides,
                    *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
-  Complain("note: diagnose is under construction; how far its verdicts can be trusted: engine/diagnosis/README.md\n");
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
       if (!record.outputs.empty()) continue;

@@ -224,6 +224,32 @@ class Searching {
     return std::nullopt;
   }
 
+  /// Laws of the same place contain one another, and the way of friction is rough: once more beside the doubts as the
+  /// best one (the first) has them.
+  void AskAtItsPlace(std::vector<Fit>& fits) const {
+    const Fitter fitter(*study_, WhitenerOf(*study_, fits.front()));
+    for (std::size_t k = 1; k < fits.size(); ++k) {
+      if (!fits[k].ok() || fits[k].hypothesis.effects.back().place != fits[0].hypothesis.effects.back().place) continue;
+      Fit beside = FitAt(*study_, {fits[0].hypothesis.z, fits[k].hypothesis.effects});
+      fitter.Weigh(fits[k]);
+      if (beside.ok()) KeepBetter(fits[k], fitter.Polish(std::move(beside), 8));
+    }
+  }
+
+  /// The best of `single` and of either half of a pair alone, from where the pair stands; weighed by `fitter`.
+  Fit OneOf(const Fit& pair, const Fitter& fitter, Fit single) const {
+    for (std::size_t e = 0; e < pair.hypothesis.effects.size() && pair.hypothesis.effects.size() > 1; ++e) {
+      Hypothesis at = pair.hypothesis;
+      at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
+      Fit fit = FitAt(*study_, std::move(at));
+      if (fit.ok()) fit = ToItsPlace(std::move(fit));
+      if (!fit.ok()) continue;
+      fitter.Weigh(fit);
+      if (fit.criterion < single.criterion) single = std::move(fit);
+    }
+    return single;
+  }
+
   /// `rough`: the best single effect where the search takes place.
   Status TryPairs(std::vector<Fit>& fits, Fit& null, const Fit& rough, std::vector<Structure>& structure) {
     study_ = &part_;
@@ -244,10 +270,22 @@ class Searching {
     if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
     if (pairs.empty()) return {};
     const Fitter last(*study_, WhitenerOf(*study_, pairs.front()));
-    Fit best = last.Polish(fits.front(), 6);
     last.Weigh(pairs.front());
-    // A second effect has to explain what the first one leaves, all of it: else nothing is known about either.
-    const double gain = best.criterion - pairs.front().criterion;
+    Fit best = OneOf(pairs.front(), last, last.Polish(fits.front(), 6));
+    // A second effect has to be needed: what one does as well from where the pair has led it, it does alone - and has
+    // to stand against the others alone.
+    const bool pair = pairs.front().hypothesis.effects.size() > 1;
+    double gain = best.criterion - pairs.front().criterion;
+    if (pair && !AnyFound(left) && gain < found_.threshold) {
+      study_ = &part_;
+      pairs = {FitAt(*study_, best.hypothesis)};
+      nominal = FitAt(*study_, nominal.hypothesis);
+      contest_.Decide(EntrantsOf(found_.screened), pairs, nominal);
+      if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
+      if (pairs.empty()) return {};
+      gain = 0.0;
+    }
+    // And it has to explain what the first one leaves, all of it: else nothing is known about either.
     if (AnyFound(left) || gain < (pairs.front().hypothesis.effects.size() > 1 ? found_.threshold : 0.0)) {
       found_.partial = "no pair of effects accounts for the rest either";
       return {};
@@ -288,7 +326,10 @@ class Searching {
                   .Polish(std::move(fit), order > 0 ? 12 : 2);
     };
     for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
-    if (!fits.empty() && fits[0].ok()) fits[0] = ToItsPlace(std::move(fits[0]));
+    if (!fits.empty() && fits[0].ok()) {
+      fits[0] = ToItsPlace(std::move(fits[0]));
+      AskAtItsPlace(fits);
+    }
     std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
     carry(null, fits.empty() ? nullptr : &fits.front());
     if (!null.ok()) return Failure{null.broken, study_->plan().id};
