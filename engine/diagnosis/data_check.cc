@@ -88,13 +88,13 @@ double Correlation(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<
   return scale > 0.0 ? x.dot(y) / scale : 0.0;
 }
 
-/// `unit`: what the signal should be in. A pressure knows no turns.
+/// `unit`: what the signal should be in, "1" where nobody says. A pressure knows no turns.
 std::optional<std::string> WrongUnit(double factor, const std::string& unit) {
   struct Suspect {
     double factor;
     const char* text;
   };
-  const bool turns = unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
+  const bool turns = unit == "1" || unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
   static constexpr std::array<Suspect, 5> kSuspects = {{{1000.0, "a prefix: kilo or milli"},
                                                         {60.0, "minutes and seconds"},
                                                         {9.5493, "1/min and rad/s"},
