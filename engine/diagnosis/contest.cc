@@ -47,7 +47,8 @@ std::optional<Assumed> Contest::AsEffect(const Doubt& doubt, double z) const {
 }
 
 /// Such effects are candidates, found by all the doubts moving together, which no single start can.
-void Contest::Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
+bool Contest::Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits) {
+  bool taken = false;
   for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
     const std::optional<Assumed> effect = AsEffect(study_.doubts()[i], null.hypothesis.z[i]);
     if (!effect) continue;
@@ -60,10 +61,12 @@ void Contest::Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& f
     if (!fit.ok()) continue;
     fitter.Weigh(fit);
     std::erase_if(fits, [&](const Fit& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
-    if (std::none_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); }))
-      fits.push_back(std::move(fit));
+    if (std::any_of(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); })) continue;
+    fits.push_back(std::move(fit));
+    taken = true;
   }
   BestFirst(fits);
+  return taken;
 }
 
 /// Everything is fitted again, effects and doubts together, until the order no longer changes.
@@ -90,6 +93,14 @@ void Contest::Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   null = fitter.Polish(std::move(null), 3);
   KeepBetter(null, fitter.Polish(std::move(other), 4));
   Sort(fitter, fits);
+  // Who comes out first without having been fitted here (taken up late, weighed without the price of its doubts) is
+  // fitted now: what follows needs its slopes.
+  while (!fits.empty() &&
+         fits.front().doubts.jacobian.cols() != static_cast<Eigen::Index>(fits.front().doubts.free.size())) {
+    fits.front() = fitter.Polish(std::move(fits.front()), 4);
+    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+    Sort(fitter, fits);
+  }
 }
 
 /// Fits again those that `fit_again` takes up, best first, and sorts.

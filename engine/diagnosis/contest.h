@@ -25,8 +25,9 @@ class Contest {
   /// On the records of `study`, which outlives it.
   Contest(const Study& study, SavedFits& saved, Progress progress);
 
-  /// Adds to `fits` the effects that say openly what the nominal model needs far outside its doubts.
-  void Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits);
+  /// Adds to `fits` the effects that say openly what the nominal model needs far outside its doubts, or puts them in
+  /// the place of worse ones; whether there was any. They are not fitted yet.
+  bool Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits);
   /// Sorts `fits`, best first; `entrants`: effects that may still challenge. `null`, the nominal model with all the
   /// freedom of its doubts, gets every chance too.
   void Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fits, Fit& null);

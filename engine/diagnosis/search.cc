@@ -58,9 +58,8 @@ class Searching {
     contest_.Suggest(Fitter(*study_, whitener), null, fits);
     contest_.Decide(EntrantsOf(screened_), fits, null);
     // By now the nominal model has come to the end of its doubts too, and may say what nobody else has.
-    const std::size_t before = fits.size();
-    if (!fits.empty()) contest_.Suggest(Fitter(*study_, WhitenerOf(*study_, fits.front())), null, fits);
-    if (fits.size() > before) contest_.Decide(EntrantsOf(screened_), fits, null);
+    if (!fits.empty() && contest_.Suggest(Fitter(*study_, WhitenerOf(*study_, fits.front())), null, fits))
+      contest_.Decide(EntrantsOf(screened_), fits, null);
     Fit rough = fits.empty() ? null : fits.front();
     std::vector<Structure> structure;
     if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
@@ -193,7 +192,7 @@ class Searching {
       fitter.Weigh(fit);
       const double before = fit.chi2;
       Fit on = fitter.Polish(fit, 4);
-      if (!on.ok() || !(on.chi2 < before)) break;
+      if (!on.ok() || !(on.chi2 <= before)) break;
       fit = std::move(on);
       if (before - fit.chi2 < kWorthIt) break;
     }
