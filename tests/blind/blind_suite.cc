@@ -12,15 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "experiment/prepare.h"
-#include "scenario/load.h"
+#include "model/registry.h"
 #include "score/series.h"
-#include "sim/simulate.h"
 #include "tests/blind/blind_case.h"
 #include "tests/blind/independent_cases.h"
 #include "tests/blind/reference_cases.h"

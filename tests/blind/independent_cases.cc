@@ -1,7 +1,6 @@
 #include "tests/blind/independent_cases.h"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "score/series.h"
 #include "tests/blind/independent_line.h"
@@ -21,6 +20,12 @@ unsigned SeedFrom(Dice& dice) { return static_cast<unsigned>(dice.Index(1000000)
 
 double Off(double value, double spread, Dice& dice) { return value * (1.0 + spread * dice.Uniform(-1.0, 1.0)); }
 
+std::vector<double> Times(std::size_t samples, double period_s) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < samples; ++i) times.push_back(period_s * static_cast<double>(i));
+  return times;
+}
+
 std::vector<double> Plus(double constant, std::vector<double> values) {
   for (double& v : values) v += constant;
   return values;
@@ -32,9 +37,9 @@ void Hide(Case& hidden, const char* effect, const std::string& at, double parame
 
 Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, bool unknown) {
   IndependentLine line;
-  for (double& value : line.inertia) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
-  for (double& value : line.stiffness) value *= 1.0 + 0.003 * dice.Uniform(-1.0, 1.0);
-  for (double& value : line.damping) value *= 1.0 + 0.03 * dice.Uniform(-1.0, 1.0);
+  for (double& value : line.inertia) value = Off(value, 0.003, dice);
+  for (double& value : line.stiffness) value = Off(value, 0.003, dice);
+  for (double& value : line.damping) value = Off(value, 0.03, dice);
   const std::size_t where = dice.Index(5), shaft = dice.Index(4), what = dice.Index(7);
   const double u = StrengthOf(hidden, dice, with_effect);
   if (unknown) {
@@ -74,8 +79,7 @@ Columns LineCase(Case& hidden, Dice& dice, double duration_s, bool with_effect, 
     line.start_speed = dice.Uniform(-3.0, 3.0);
   }
   const auto samples = static_cast<std::size_t>(duration_s * 1e4) + 1;
-  Columns columns;
-  for (std::size_t i = 0; i < samples; ++i) columns.time.push_back(1e-4 * static_cast<double>(i));
+  Columns columns{Times(samples, 1e-4), {}, {}};
   columns.inputs["T_airgap"] = IndependentTorque(samples, static_cast<unsigned>(dice.Uniform(1, 1e6)));
   IndependentLine::Output output = line.Run(columns.inputs["T_airgap"]);
   columns.outputs = {{"T_shaft", std::move(output.T_shaft)}, {"omega_1", std::move(output.omega_1)}};
@@ -115,8 +119,7 @@ Columns GasCase(Case& hidden, Dice& dice, bool with_effect) {
   IndependentGas gas;
   for (double* value : {&gas.mass, &gas.stiffness, &gas.preload, &gas.volume}) *value = Off(*value, 0.003, dice);
   gas.damping = Off(gas.damping, 0.03, dice);
-  Columns columns;
-  for (std::size_t i = 0; i < kSamples; ++i) columns.time.push_back(kPeriod_s * static_cast<double>(i));
+  Columns columns{Times(kSamples, kPeriod_s), {}, {}};
   std::vector<double> p_mem = IndependentSines(kSamples, kPeriod_s, SeedFrom(dice), 400.0, 0.13, 70.0, 90);
   const std::vector<double> slow = IndependentSines(kSamples, kPeriod_s, 7, 2e4, 0.05, 0.3, 3);
   for (std::size_t i = 0; i < kSamples; ++i) p_mem[i] += 5e5 + slow[i];
@@ -147,8 +150,7 @@ Columns AirCase(Case& hidden, Dice& dice, bool with_effect) {
   constexpr std::size_t kSamples = 10001;
   IndependentAir air;
   for (double& value : air.volume) value = Off(value, 0.003, dice);
-  Columns columns;
-  for (std::size_t i = 0; i < kSamples; ++i) columns.time.push_back(kPeriod_s * static_cast<double>(i));
+  Columns columns{Times(kSamples, kPeriod_s), {}, {}};
   const auto sines = [&](double mean, double rms, double high_Hz) {
     return Plus(mean, IndependentSines(kSamples, kPeriod_s, SeedFrom(dice), rms, 0.012, high_Hz, 45));
   };

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/blind/independent_tools.h"
+
 namespace dynoproof::blind {
 
 struct IndependentLine {
@@ -39,9 +41,9 @@ struct IndependentLine {
       const double linear = stiffness[k] * twist + damping[k] * rate;
       return shaft[k] ? linear + shaft[k](twist, rate) : linear;
     };
-    const auto rates = [&](const State& s, double torque) {
+    const auto rates = [&](const State& s, const std::array<double, 1>& u) {
       State d;
-      std::array<double, 5> sum = {torque, 0.0, 0.0, 0.0, 0.0};
+      std::array<double, 5> sum = {u[0], 0.0, 0.0, 0.0, 0.0};
       for (std::size_t k = 0; k < 4; ++k) {
         const double t = twist_torque(s, k);
         sum[k] -= t;
@@ -54,22 +56,13 @@ struct IndependentLine {
       }
       return d;
     };
-    const auto moved = [](const State& s, const State& d, double h) {
-      State out;
-      for (std::size_t i = 0; i < 10; ++i) out[i] = s[i] + h * d[i];
-      return out;
-    };
+    std::vector<double> torque;
+    for (const double command : input)
+      torque.insert(torque.end(), static_cast<std::size_t>(substeps), actuator ? actuator(command) : command);
     Output output;
-    const double h = period_s / substeps;
-    for (const double command : input) {
-      output.T_shaft.push_back(twist_torque(x, 3));
-      output.omega_1.push_back(x[5]);
-      const double torque = actuator ? actuator(command) : command;
-      for (int i = 0; i < substeps; ++i) {
-        const State a = rates(x, torque), b = rates(moved(x, a, h / 2), torque);
-        const State c = rates(moved(x, b, h / 2), torque), d = rates(moved(x, c, h), torque);
-        for (std::size_t k = 0; k < 10; ++k) x[k] += h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]);
-      }
+    for (const State& s : Integrate<10, 1>(x, {std::move(torque)}, period_s, substeps, rates)) {
+      output.T_shaft.push_back(twist_torque(s, 3));
+      output.omega_1.push_back(s[5]);
     }
     return output;
   }
@@ -78,16 +71,7 @@ struct IndependentLine {
 /// A hundred sines between `low` and `high` Hz with seeded phases, and a slow swing: an excitation of its own.
 inline std::vector<double> IndependentTorque(std::size_t samples, unsigned seed, double rms = 300.0,
                                              double swing = 400.0) {
-  std::vector<double> torque(samples);
-  unsigned long long state = seed * 2654435761ULL + 12345ULL;
-  for (int line = 0; line < 100; ++line) {
-    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-    const double phase = 2.0 * M_PI * static_cast<double>(state >> 11) / 9007199254740992.0;
-    const double frequency = 1.3 * std::pow(1700.0 / 1.3, line / 99.0);
-    for (std::size_t i = 0; i < samples; ++i)
-      torque[i] +=
-          rms * std::sqrt(2.0 / 100.0) * std::sin(2.0 * M_PI * frequency * 1e-4 * static_cast<double>(i) + phase);
-  }
+  std::vector<double> torque = IndependentSines(samples, 1e-4, seed, rms, 1.3, 1700.0, 100);
   for (std::size_t i = 0; i < samples; ++i)
     torque[i] += swing * std::sin(2.0 * M_PI * 0.45 * 1e-4 * static_cast<double>(i));
   return torque;

@@ -6,72 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
+#include "tests/blind/independent_tools.h"
+
 namespace dynoproof::blind {
-
-/// Sum of sines with logarithmically spaced frequencies and seeded phases.
-inline std::vector<double> IndependentSines(std::size_t samples, double period_s, unsigned seed, double rms,
-                                            double low_Hz, double high_Hz, int lines) {
-  std::vector<double> sum(samples);
-  unsigned long long state = seed * 2654435761ULL + 12345ULL;
-  for (int line = 0; line < lines; ++line) {
-    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-    const double phase = 2.0 * M_PI * static_cast<double>(state >> 11) / 9007199254740992.0;
-    const double frequency = low_Hz * std::pow(high_Hz / low_Hz, line / (lines - 1.0));
-    for (std::size_t i = 0; i < samples; ++i)
-      sum[i] +=
-          rms * std::sqrt(2.0 / lines) * std::sin(2.0 * M_PI * frequency * period_s * static_cast<double>(i) + phase);
-  }
-  return sum;
-}
-
-/// One column through a first-order lag that starts settled, exact for held samples.
-inline std::vector<double> Lagged(const std::vector<double>& held, double lag_s, double period_s, int substeps) {
-  std::vector<double> fine;
-  double state = held.front();
-  const double keep = std::exp(-period_s / substeps / lag_s);
-  for (const double value : held) {
-    for (int i = 0; i < substeps; ++i) {
-      fine.push_back(state);
-      state = value + keep * (state - value);
-    }
-  }
-  return fine;
-}
-
-/// A column between its samples: `substeps` values each, held, after a dead time.
-inline std::vector<double> Delayed(const std::vector<double>& held, double delay_s, double period_s, int substeps) {
-  std::vector<double> fine;
-  for (std::size_t i = 0; i < held.size() * substeps; ++i) {
-    const double at = std::max(0.0, static_cast<double>(i) / substeps - delay_s / period_s + 1e-9);
-    fine.push_back(held[static_cast<std::size_t>(at)]);
-  }
-  return fine;
-}
-
-/// x' = f(x, u) by Runge-Kutta 4 with inputs that stand at `substeps` values a sample; the state at every sample.
-template <std::size_t N, std::size_t M>
-std::vector<std::array<double, N>> Integrate(
-    std::array<double, N> x, const std::array<std::vector<double>, M>& inputs, double period_s, int substeps,
-    const std::function<std::array<double, N>(const std::array<double, N>&, const std::array<double, M>&)>& f) {
-  std::vector<std::array<double, N>> states;
-  const double h = period_s / substeps;
-  const auto moved = [](const std::array<double, N>& s, const std::array<double, N>& d, double step) {
-    std::array<double, N> out;
-    for (std::size_t i = 0; i < N; ++i) out[i] = s[i] + step * d[i];
-    return out;
-  };
-  for (std::size_t k = 0; k < inputs[0].size(); ++k) {
-    if (k % substeps == 0) states.push_back(x);
-    std::array<double, M> u;
-    for (std::size_t i = 0; i < M; ++i) u[i] = inputs[i][k];
-    const auto a = f(x, u), b = f(moved(x, a, h / 2), u), c = f(moved(x, b, h / 2), u), d = f(moved(x, c, h), u);
-    for (std::size_t i = 0; i < N; ++i) x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-  }
-  return states;
-}
 
 /// (6.23)-(6.28): membrane, valve and volume of the fuel gas supply.
 struct IndependentGas {

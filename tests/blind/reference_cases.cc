@@ -14,7 +14,8 @@
 namespace dynoproof::blind {
 namespace {
 
-/// The same for plants of pressures; `size` is what the signal at the place swings by, and how far it goes.
+/// FullStrength() for plants of pressures: `swing` and `peak` are what the signal at the place swings by, and how far
+/// it goes.
 std::optional<std::vector<double>> PressureStrength(const std::string& name, bool air, double u, double sign,
                                                     double swing, double peak, double duration_s) {
   if (name == "leakage") return std::vector<double>{(air ? 4e-5 : 2e-6) * u};
@@ -47,17 +48,13 @@ std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const P
   const double u = dice.Uniform(0.7, 1.4);
   const std::string plant = plan.root.FindPath("plant.type")->string();
   if (plant != "drive_line") {
-    double mean = 0.0, swing = 0.0, peak = 0.0;
+    double swing = 0.0, peak = 0.0;
     const auto& signals = place.kind == "output" ? healthy.outputs : healthy.inputs;
     if (const auto signal = signals.find(place.name); signal != signals.end()) {
-      for (const double v : signal->second) mean += v / static_cast<double>(signal->second.size());
-      for (const double v : signal->second) {
-        swing += (v - mean) * (v - mean) / static_cast<double>(signal->second.size());
-        peak = std::max(peak, std::abs(v));
-      }
+      swing = score::StandardDeviation(signal->second);
+      for (const double v : signal->second) peak = std::max(peak, std::abs(v));
     }
-    const auto found =
-        PressureStrength(name, plant == "charge_air", u, dice.Sign(), std::sqrt(swing), peak, healthy.time.back());
+    const auto found = PressureStrength(name, plant == "charge_air", u, dice.Sign(), swing, peak, healthy.time.back());
     if (found) return *found;
   }
   if (name == "viscous_friction") return {0.05 * torque / speed * u};
@@ -227,13 +224,13 @@ std::optional<Columns> FromReference(Case& hidden, Dice& dice, double duration_s
   hidden.size = std::numeric_limits<double>::infinity();
   for (int left = hidden.kind == "effect" ? 1 : hidden.kind == "pair" ? 2 : 0; left > 0; --left) {
     HideIn(*plan, nominal, columns, registry, only, hidden, dice);
+    if (hidden.causes.size() > 1 && hidden.causes[0].at == hidden.causes[1].at) return std::nullopt;
     Columns changed = Simulated(*plan, registry);
     hidden.size = std::min(hidden.size, SizeOf(changed, columns, hidden.noise));
     if (hidden.size < kSmallestSize) return std::nullopt;
     columns = std::move(changed);
   }
   if (hidden.causes.empty()) hidden.size = 0.0;
-  if (hidden.causes.size() == 2 && (hidden.causes[0].at == hidden.causes[1].at)) return std::nullopt;
   return columns;
 }
 
