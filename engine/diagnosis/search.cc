@@ -199,6 +199,11 @@ class Searching {
     return fit;
   }
 
+  static Hypothesis Without(Hypothesis hypothesis, std::size_t effect) {
+    hypothesis.effects.erase(hypothesis.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    return hypothesis;
+  }
+
   /// The one effect of a pair whose other is none: it moves a nominal value by no more than its doubt, which had not
   /// found its place yet, or has no size that can be told from nothing.
   std::optional<Fit> FoldBack(const Fit& pair) {
@@ -207,8 +212,7 @@ class Searching {
     for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
       const Assumed& second = pair.hypothesis.effects[e];
       bool none = IsNothing(derived, e);
-      Hypothesis at = pair.hypothesis;
-      at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
+      Hypothesis at = Without(pair.hypothesis, e);
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const Doubt& doubt = study_->doubts()[i];
         if (!Changes(second, doubt)) continue;
@@ -238,9 +242,7 @@ class Searching {
   /// The best of `single` and of either half of a pair alone, from where the pair stands; weighed by `fitter`.
   Fit OneOf(const Fit& pair, const Fitter& fitter, Fit single) const {
     for (std::size_t e = 0; e < pair.hypothesis.effects.size() && pair.hypothesis.effects.size() > 1; ++e) {
-      Hypothesis at = pair.hypothesis;
-      at.effects.erase(at.effects.begin() + static_cast<std::ptrdiff_t>(e));
-      Fit fit = FitAt(*study_, std::move(at));
+      Fit fit = FitAt(*study_, Without(pair.hypothesis, e));
       if (fit.ok()) fit = ToItsPlace(std::move(fit));
       if (!fit.ok()) continue;
       fitter.Weigh(fit);
@@ -260,7 +262,7 @@ class Searching {
     if (pairs.size() > 3) pairs.resize(3);
     contest_.Decide(EntrantsOf(screened_), pairs, nominal);
     std::optional<Fit> alone = pairs.empty() ? std::nullopt : FoldBack(pairs.front());
-    if (alone) {
+    if (alone && alone->ok()) {
       // Who it left behind on its way has to be asked again, its own law at other places first.
       pairs = {std::move(*alone)};
       contest_.Decide(EntrantsOf(found_.screened), pairs, nominal);
@@ -278,6 +280,7 @@ class Searching {
     if (pair && !AnyFound(left) && gain < found_.threshold) {
       study_ = &part_;
       pairs = {FitAt(*study_, best.hypothesis)};
+      if (!pairs.front().ok()) return {};
       nominal = FitAt(*study_, nominal.hypothesis);
       contest_.Decide(EntrantsOf(found_.screened), pairs, nominal);
       if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
