@@ -170,12 +170,12 @@ Magnitudes MagnitudesOf(const Study& study) {
 
 std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes) {
   std::vector<Candidate> candidates;
-  bool rippled = false;
   const Value* type = study.plan().root.FindPath("plant.type");
   const bool moved = type != nullptr && type->is_string() && type->string() == "moved_body";
   for (const Effect* effect : study.registry().Effects()) {
     const std::string& name = effect->info().name;
-    for (const Place& place : effect->Places(study.plan())) {
+    const std::vector<Place> places = effect->Places(study.plan());
+    for (const Place& place : places) {
       // A sensor that no record has, and an input that no record drives, cannot be seen.
       if (place.kind == "output" && std::none_of(study.channels().begin(), study.channels().end(),
                                                  [&](const Channel& c) { return c.name == place.name; }))
@@ -185,8 +185,9 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
       // Where the motion is given a run costs next to nothing, and elastic friction need not look like a dry one.
       const bool other_friction =
           name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction";
-      candidate.refinement = (other_friction && !moved) || (name == "torque_ripple" && rippled);
-      rippled = rippled || name == "torque_ripple";
+      // Any order of ripple is tried at both ends of the line, of which one may be heavy; the rest follow them.
+      const bool between = place != places.front() && place != places.back();
+      candidate.refinement = (other_friction && !moved) || (name == "torque_ripple" && between);
       for (std::vector<double>& start : candidate.starts) {
         for (std::size_t i = 0; i < start.size(); ++i)
           start[i] = std::clamp(start[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);

@@ -219,6 +219,8 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
     result.size = rows.norm() / std::max(channel.spread, 1e-300) / std::sqrt(static_cast<double>(channel.count));
     result.over_floor =
         rows.norm() / std::sqrt(static_cast<double>(channel.count)) / std::max(HighFrequencyFloor(rows), 1e-300);
+    const double variance = before / static_cast<double>(count);
+    result.bursts = alone.array().square().square().mean() / std::max(variance * variance, 1e-300);
     result.rings = WithoutTrend(target).squaredNorm() / std::max(before, 1e-300);
   }
   return found;

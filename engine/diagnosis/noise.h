@@ -55,11 +55,14 @@ struct Structure {
   double white_p_value = 1.0;  // Ljung-Box on the whitened residual
   double rings = 1.0;          // variance of the residual over that of its one-step prediction error
   double over_floor = 1.0;     // RMS of the residual over HighFrequencyFloor()
+  double bursts = 3.0;         // kurtosis of that prediction error; of a sensor's noise 3
   double size = 0.0;           // RMS of the residual over the signal's spread
 
-  /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant.
+  /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant. Less will
+  /// do where the rest comes in bursts, as impacts leave them and sensors do not.
   bool found() const {
-    return (p_value < 1e-6 && explained > 0.01) || (line_p_value < 1e-6 && line_share > 0.005) || TooLarge();
+    return (p_value < 1e-6 && explained > (bursts > 3.3 ? 0.003 : 0.01)) ||
+           (line_p_value < 1e-6 && line_share > 0.005) || TooLarge();
   }
   /// Follows from its own past nearly without error, as a resonance of the machine does, or is far larger than the
   /// highest frequencies allow. Sensors' noise is not: of a first-order lag with 20 samples (pole 0.95) it is 10 times

@@ -226,7 +226,7 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
   std::set<std::string> promising;
   for (std::size_t i = 0; i < candidates.size(); ++i) (candidates[i].refinement ? second : first).push_back(i);
   std::atomic<std::size_t> done = 0;
-  std::vector<double> ripple;  // the best one at the first place
+  std::vector<double> ripple;  // the best one at either end
   const auto run = [&](const std::vector<std::size_t>& which) {
     ParallelFor(which.size(), 0, [&](std::size_t k) {
       const std::size_t i = which[k];
@@ -239,12 +239,16 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
     });
   };
   run(first);
+  double rippled = base.chi2 - 0.3 * threshold;
   for (const std::size_t i : first) {
     const std::string& name = candidates[i].effect->info().name;
     const bool friction =
         name == "coulomb_friction" || name == "viscous_friction" || name == "constant_load" || name == "quadratic_drag";
     if (friction && base.chi2 - all[i].chi2 > threshold) promising.insert(candidates[i].place.ToString());
-    if (name == "torque_ripple" && base.chi2 - all[i].chi2 > 0.3 * threshold) ripple = all[i].parameters;
+    if (name == "torque_ripple" && all[i].chi2 < rippled) {
+      ripple = all[i].parameters;
+      rippled = all[i].chi2;
+    }
   }
   std::erase_if(second, [&](std::size_t i) {
     if (candidates[i].effect->info().name == "torque_ripple") return ripple.empty();

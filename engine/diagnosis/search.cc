@@ -55,6 +55,13 @@ class Searching {
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
     found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
+    if (fits.empty() && AnyFound(StructureOf(null))) {
+      // Nobody was seen beside a line that rings at the wrong frequencies: once more beside the one that was fitted.
+      Fit fitted = null;
+      fitted.doubts.z0 = fitted.hypothesis.z;
+      fits = FitBest(Fitter(*study_, WhitenerOf(*study_, fitted)), fitted, "one effect beside fitted nominal values",
+                     0.5, 0.6);
+    }
     contest_.Suggest(Fitter(*study_, whitener), null, fits);
     contest_.Decide(EntrantsOf(screened_), fits, null);
     // By now the nominal model has come to the end of its doubts too, and may say what nobody else has.
@@ -109,7 +116,7 @@ class Searching {
 
   /// Screens every candidate on top of `base` and fits the best ones fully.
   std::vector<Fit> FitBest(const Fitter& fitter, const Fit& base, const std::string& what, double begin, double end) {
-    const std::string stage = base.Name();
+    const std::string stage = what + ": " + base.Name();
     screened_ = saved_.Screening(stage);
     if (screened_.empty()) {
       screened_ = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
