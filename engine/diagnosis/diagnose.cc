@@ -8,6 +8,7 @@
 
 #include "diagnosis/decide.h"
 #include "diagnosis/extend.h"
+#include "diagnosis/play.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -17,19 +18,36 @@ constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
 
 class Diagnosing {
  public:
+  /// `until`: share of the records that is looked at, seven tenths of it in `study`.
   Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
-             const DiagnoseOptions& options)
-      : study_(study), data_(data), holdout_(holdout), options_(options) {}
-
-  Result<Diagnosis> Run() {
+             const DiagnoseOptions& options, double until = 1.0)
+      : study_(study), data_(data), holdout_(holdout), options_(options), until_(until) {
     result_.own_holdout = !holdout_.empty();
     if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
-    Result<Found> found = Search(study_, data_, kTrainingShare, {options_.out, options_.resume, options_.progress});
+  }
+
+  /// Who accounts for the data; `suspects` are candidates from elsewhere.
+  Status Decide(const std::vector<Hypothesis>& suspects = {}) {
+    const double share = result_.own_holdout ? until_ : until_ * kTrainingShare;
+    Result<Found> found =
+        Search(study_, data_, share, {options_.out, options_.resume && suspects.empty(), options_.progress, suspects});
     if (!found.ok()) return found.failure();
     found_ = *std::move(found);
     result_.considered = std::move(found_.considered);
     result_.simulations = found_.simulations;
     Judge();
+    return {};
+  }
+
+  bool LeavesStructure() const { return result_.verdict == Verdict::kUnexplained && !result_.at_noise_floor; }
+  bool Holds(const std::string& effect) const {
+    return (result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) &&
+           found_.fits.front().hypothesis.effects.front().effect->info().name == effect;
+  }
+  void Note(std::string note) { result_.notes.push_back(std::move(note)); }
+
+  /// The verdict with what it gains, and the files.
+  Result<Diagnosis> Report() {
     if (Status failed = Conclude()) return *failed;
     options_.progress("done", 1.0);
     return std::move(result_);
@@ -242,7 +260,7 @@ class Diagnosing {
     if (!before.ok()) return before.failure();
     if (!after.ok()) return after.failure();
     result_.train = GainsOf(study_, *before, *after, 0.0);
-    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), 1.0,
+    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), until_,
                      study_.decompositions());
     Hypothesis chosen = best.hypothesis;
     if (result_.own_holdout) {
@@ -272,6 +290,7 @@ class Diagnosing {
   const std::vector<MappedRecord>& data_;
   const std::vector<MappedRecord>& holdout_;
   const DiagnoseOptions& options_;
+  const double until_;
   Found found_;
   Diagnosis result_;
   std::vector<std::size_t> alike_;
@@ -298,8 +317,25 @@ std::string ToString(Verdict verdict) {
 Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
-  const Study study(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0);
-  return Diagnosing(study, data, holdout, options).Run();
+  const double share = holdout.empty() ? kTrainingShare : 1.0;
+  const Study study(plan, data, registry, share);
+  Diagnosing whole(study, data, holdout, options);
+  if (Status failed = whole.Decide()) return *failed;
+  if (!whole.LeavesStructure()) return whole.Report();
+  const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
+  const std::optional<Followed> followed = FollowPlay(study, progress);
+  if (!followed) return whole.Report();
+  const double until = followed->share < 1.0 ? share * followed->share : 1.0;
+  const Study beginning(plan, data, registry, share * until, study.decompositions());
+  Diagnosing first(beginning, data, holdout, options, until);
+  if (first.Decide({followed->hypothesis}) || !first.Holds("backlash")) return whole.Report();
+  if (until < 1.0) {
+    first.Note(
+        fmt::format("only the first {:.3g} s of the data count: with play the motion is chaotic, and no free run "
+                    "predicts more of it",
+                    until * data.front().end_s));
+  }
+  return first.Report();
 }
 
 }  // namespace dynoproof::diagnosis

@@ -62,6 +62,12 @@ class Searching {
       fits = FitBest(Fitter(*study_, WhitenerOf(*study_, fitted)), fitted, "one effect beside fitted nominal values",
                      0.5, 0.6);
     }
+    for (const Hypothesis& suspect : options_.suspects) {
+      fits.push_back(FitAt(*study_, suspect));
+      if (fits.back().ok()) Fitter(*study_, whitener).Weigh(fits.back());
+    }
+    std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });
+    BestFirst(fits);
     contest_.Suggest(Fitter(*study_, whitener), null, fits);
     contest_.Decide(EntrantsOf(screened_), fits, null);
     // By now the nominal model has come to the end of its doubts too, and may say what nobody else has.

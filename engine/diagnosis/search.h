@@ -34,6 +34,7 @@ struct SearchOptions {
   std::string out;  // folder of the saved fits
   bool resume = false;
   std::function<void(const std::string& what, double fraction)> progress;
+  std::vector<Hypothesis> suspects = {};  // that no screening would find
 };
 
 /// `study`: all of the training data, made of `data` cut at `training_share`. Fails where the nominal run breaks.

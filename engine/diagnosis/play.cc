@@ -1,0 +1,142 @@
+#include "diagnosis/play.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/noise.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr double kFirst_s = 0.008;     // two to five periods of a line's first modes: a few impacts
+constexpr double kStride = 1.25;       // from one part to the next
+constexpr double kSmallest = 0.01;     // gaps that are tried, in twists under the torques seen ...
+constexpr double kLargest = 50.0;      // ... a side in free flight goes far beyond them
+constexpr double kGridStep = 1.25;     // fits find the gap from a tenth off
+constexpr std::size_t kFollowed = 32;  // hypotheses that go on
+constexpr double kAtFloor = 2.0;       // times the noise of the highest frequencies, which 80 samples tell to a third
+constexpr double kAlone = 200.0;       // -2 log likelihood ahead of all others: alone from there on
+
+struct Follower {
+  Fit fit;
+  double likelihood = 0.0;  // -2 log, at the noise that fits best by channel, with the doubts' prior
+  double over = 0.0;        // RMS of what is left over the noise floor, of the worst channel
+};
+
+double RmsOf(const Channel& channel, const Eigen::VectorXd& rows) {
+  return rows.segment(channel.begin, channel.count).norm() / std::sqrt(static_cast<double>(channel.count));
+}
+
+Follower Weighed(const Study& study, Fit fit) {
+  Follower follower{std::move(fit)};
+  const Eigen::VectorXd left = study.measured() - follower.fit.predicted;
+  follower.likelihood = PriorChi2(follower.fit);
+  for (const Channel& c : study.channels()) {
+    const double rms = std::max(RmsOf(c, left), 1e-12 * c.nominal);
+    follower.likelihood += 2.0 * static_cast<double>(c.count) * std::log(rms);
+    follower.over = std::max(follower.over, rms / std::max(HighFrequencyFloor(left.segment(c.begin, c.count)), 1e-300));
+  }
+  return follower;
+}
+
+void BestFirst(std::vector<Follower>& followers) {
+  std::stable_sort(followers.begin(), followers.end(),
+                   [](const Follower& a, const Follower& b) { return a.likelihood < b.likelihood; });
+}
+
+/// As if the noise were white: on parts this short its colour cannot be told.
+std::optional<Follower> Fitted(const Study& study, const Hypothesis& hypothesis, int rounds) {
+  Fit fit = FitAt(study, hypothesis);
+  if (!fit.ok()) return std::nullopt;
+  const Whitener whitener = WhitenerOf(study, fit, 0);
+  fit = Fitter(study, whitener).Polish(std::move(fit), rounds);
+  if (!fit.ok()) return std::nullopt;
+  return Weighed(study, std::move(fit));
+}
+
+bool Twins(const Follower& a, const Follower& b) {
+  const Assumed &one = a.fit.hypothesis.effects[0], &other = b.fit.hypothesis.effects[0];
+  return one.place == other.place && std::abs(one.parameters[0] / other.parameters[0] - 1.0) < 2e-3;
+}
+
+/// Every gap at every shaft.
+std::vector<Follower> TryAll(const Study& first, const Effect& play, double torque_Nm) {
+  std::vector<Follower> fitted;
+  for (const Place& place : play.Places(first.plan())) {
+    const Value* stiffness = first.plan().root.FindPath("plant.shaft." + place.name + ".stiffness_Nm_per_rad");
+    if (stiffness == nullptr || !stiffness->is_number() || !(stiffness->number() > 0.0)) continue;
+    const double twist_rad = torque_Nm / stiffness->number();
+    for (double gap = kSmallest; gap < kLargest; gap *= kGridStep) {
+      Hypothesis hypothesis = first.Nominal();
+      hypothesis.effects = {{&play, place, {gap * twist_rad}}};
+      if (std::optional<Follower> one = Fitted(first, hypothesis, 4)) fitted.push_back(*std::move(one));
+    }
+  }
+  BestFirst(fitted);
+  return fitted;
+}
+
+/// Who goes on: one of each gap, and no more than can be paid for.
+void Thin(std::vector<Follower>& followers) {
+  std::vector<Follower> kept;
+  for (Follower& one : followers) {
+    if (kept.size() == kFollowed) break;
+    if (std::none_of(kept.begin(), kept.end(), [&](const Follower& other) { return Twins(one, other); }))
+      kept.push_back(std::move(one));
+  }
+  if (kept.size() > 1 && kept[0].over < kAtFloor && kept[1].likelihood - kept[0].likelihood > kAlone) kept.resize(1);
+  followers = std::move(kept);
+}
+
+/// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well.
+bool Forgets(const Study& study, const Hypothesis& hypothesis) {
+  Plan plan = study.PlanOf(hypothesis), finer = plan;
+  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
+  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
+  finer.root["run"]["realtime"]["substeps"] = Value(2 * now);
+  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(finer);
+  if (!coarse.ok() || !fine.ok()) return false;
+  constexpr double kComparable = 0.3;
+  return std::all_of(study.channels().begin(), study.channels().end(), [&](const Channel& c) {
+    const Eigen::VectorXd left = study.measured() - *coarse;
+    const double floor = HighFrequencyFloor(left.segment(c.begin, c.count)), missed = RmsOf(c, left);
+    return missed < kAtFloor * floor || RmsOf(c, *fine - *coarse) > kComparable * missed;
+  });
+}
+
+}  // namespace
+
+std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
+  const Effect* play = study.registry().FindEffect("backlash");
+  if (play == nullptr || play->Places(study.plan()).empty() || PredictionWindow(study.plan())) return std::nullopt;
+  const double first = kFirst_s / std::max(study.records().front().end_s, kFirst_s);
+  const auto part = [&](double share) {
+    return Study(study.plan(), study.records(), study.registry(), share, study.decompositions());
+  };
+  std::vector<Follower> followers = TryAll(part(first), *play, MagnitudesOf(study).torque);
+  std::optional<Followed> found;
+  for (double share = first; !followers.empty(); share = std::min(1.0, kStride * share)) {
+    progress(std::log(share / first) / std::log(1.0 / first));
+    const Study here = part(share);
+    std::vector<Follower> next;
+    for (const Follower& one : followers) {
+      if (std::optional<Follower> on = Fitted(here, one.fit.hypothesis, 5)) next.push_back(*std::move(on));
+    }
+    BestFirst(next);
+    Thin(next);
+    followers = std::move(next);
+    if (followers.empty() || followers.front().over > kAtFloor) break;
+    found = Followed{followers.front().fit.hypothesis, share};
+    if (share == 1.0) break;
+  }
+  if (!found || found->share < 2.0 * first) return std::nullopt;
+  if (found->share < 1.0 && !Forgets(study, found->hypothesis)) return std::nullopt;
+  return found;
+}
+
+}  // namespace dynoproof::diagnosis
