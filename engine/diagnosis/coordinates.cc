@@ -25,7 +25,7 @@ Coordinates::Coordinates(const std::vector<Assumed>& effects) : effects_(effects
   for (const Assumed& assumed : effects) {
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
       const EffectParameter& p = assumed.effect->info().parameters[i];
-      Axis axis{p.lower, p.upper, 0.0, 1.0, false};
+      Axis axis{p.lower, p.upper, 0.0, 1.0, false, 0.0};
       axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
       if (!axis.log) {
         axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;
@@ -33,6 +33,9 @@ Coordinates::Coordinates(const std::vector<Assumed>& effects) : effects_(effects
         if (!(axis.scale > 0.0)) axis.scale = std::abs(p.start - axis.origin);
         if (!(axis.scale > 0.0)) axis.scale = 1e-3 * (p.upper - p.lower);
       }
+      // The engine counts time in whole nanoseconds: fifty of them round a delay's slope by two percent.
+      constexpr double kLeast_s = 5e-8;
+      if (p.unit == "s") axis.least = kLeast_s / (axis.log ? assumed.parameters[i] : axis.scale);
       axes_.push_back(axis);
     }
   }
@@ -62,7 +65,7 @@ std::vector<Assumed> Coordinates::At(const double* x) const {
 }
 
 double Coordinates::Difference(std::size_t i, double x) const {
-  const double step = 1e-5 * std::max(1.0, std::abs(x));
+  const double step = std::max(1e-5 * std::max(1.0, std::abs(x)), axes_[i].least);
   return x + step <= upper(i) ? step : -step;
 }
 

@@ -29,6 +29,7 @@ class Coordinates {
   struct Axis {
     double lower, upper, origin, scale;
     bool log;
+    double least = 0.0;  // step that the engine resolves
   };
   double To(std::size_t i, double value) const;
 

@@ -98,5 +98,25 @@ TEST_F(SlowPolish, StaysInsideItsBounds) {
             1.02 * WhitenerOf(study, fit, 0)(study.measured() - alone.predicted).squaredNorm());
 }
 
+// The engine counts time in whole nanoseconds: differences must not fall between two of them.
+TEST_F(SlowPolish, ADelayWithinASampleHasASlope) {
+  const Study study = Measured(0.0);
+  const auto delayed = [&](double delay_s) {
+    Hypothesis at = study.Nominal();
+    at.effects = {{registry_.FindEffect("actuator_delay"), *ParsePlace("input:T_airgap"), {delay_s}}};
+    return at;
+  };
+  constexpr double kDelay_s = 7e-5, kFar_s = 1e-6;
+  Fit fit = FitAt(study, delayed(kDelay_s));
+  fit.doubts = *LineariseDoubts(study, fit.hypothesis, fit.doubts.freedom);
+  const Whitener whitener = WhitenerOf(study, fit, 0);
+  Fitter(study, whitener).Derive(fit);
+  const Result<Eigen::VectorXd> before = study.Predict(delayed(kDelay_s - kFar_s)),
+                                after = study.Predict(delayed(kDelay_s + kFar_s));
+  ASSERT_TRUE(before.ok() && after.ok());
+  const Eigen::VectorXd slope = whitener(*after - *before) / (2.0 * kFar_s);
+  EXPECT_LT((fit.jacobian.col(0) - slope).norm(), 0.03 * slope.norm());  // rounding: 2 %
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis
