@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "diagnosis/decide.h"
@@ -29,8 +30,10 @@ class Diagnosing {
   /// Who accounts for the data; `suspects` are candidates from elsewhere.
   Status Decide(const std::vector<Hypothesis>& suspects = {}) {
     const double share = result_.own_holdout ? until_ : until_ * kTrainingShare;
+    const char* saved = suspects.empty() ? "diagnose_state.json" : "diagnose_state_beginning.json";
     Result<Found> found =
-        Search(study_, data_, share, {options_.out, options_.resume && suspects.empty(), options_.progress, suspects});
+        Search(study_, data_, share,
+               {(std::filesystem::path(options_.out) / saved).string(), options_.resume, options_.progress, suspects});
     if (!found.ok()) return found.failure();
     found_ = *std::move(found);
     result_.considered = std::move(found_.considered);

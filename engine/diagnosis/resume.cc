@@ -1,7 +1,6 @@
 #include "diagnosis/resume.h"
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -40,8 +39,8 @@ double NumberOf(const json& value) {
 
 }  // namespace
 
-SavedFits::SavedFits(std::string folder, bool resume, const Study& study)
-    : file_((std::filesystem::path(folder) / "diagnose_state.json").string()), fingerprint_(FingerprintOf(study)) {
+SavedFits::SavedFits(std::string file, bool resume, const Study& study)
+    : file_(std::move(file)), fingerprint_(FingerprintOf(study)) {
   if (!resume) return;
   const std::optional<std::string> text = ReadTextFile(file_);
   const json saved = text ? json::parse(*text, nullptr, false) : json();

@@ -1,5 +1,5 @@
-// What a stopped diagnosis had reached: the screening's start points and the optima, in OUT/diagnose_state.json. They
-// are starting points only; every figure of a result is computed anew.
+// What a stopped diagnosis had reached: the screening's start points and the optima, in a file of the output folder.
+// They are starting points only; every figure of a result is computed anew.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace dynoproof::diagnosis {
 class SavedFits {
  public:
   /// Reads what is there if `resume`, and it belongs to the same scenario and records.
-  SavedFits(std::string folder, bool resume, const Study& study);
+  SavedFits(std::string file, bool resume, const Study& study);
 
   std::vector<Screened> Screening(const std::string& stage) const;
   void KeepScreening(const std::string& stage, const std::vector<Screened>& screened);

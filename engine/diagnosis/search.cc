@@ -27,7 +27,7 @@ class Searching {
         study_(&part_),
         short_(Rough(study.plan()), data, study.registry(), ShortShare(data, training_share), study.decompositions()),
         options_(options),
-        saved_(options.out, options.resume, study),
+        saved_(options.saved_fits, options.resume, study),
         contest_(part_, saved_, options.progress) {}
 
   Result<Found> Run() {

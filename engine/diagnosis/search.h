@@ -31,7 +31,7 @@ struct Found {
 };
 
 struct SearchOptions {
-  std::string out;  // folder of the saved fits
+  std::string saved_fits;  // file
   bool resume = false;
   std::function<void(const std::string& what, double fraction)> progress;
   std::vector<Hypothesis> suspects = {};  // that no screening would find
