@@ -94,7 +94,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   int written = kGood;
   if (!arguments.html.empty()) {
     const Result<std::vector<Picture>> pictures =
-        diagnosis::Look(measured->plan, measured->data, result->extended_scenario, *registry);
+        diagnosis::Look(measured->plan, measured->data, result->counted, result->extended_scenario, *registry);
     if (!pictures.ok()) Complain(pictures.failure().ToString() + "\n");
     written = WriteHtml(arguments.html, reports::DiagnosisPage(measured->plan.id, arguments.data, *result,
                                                                pictures.ok() ? *pictures : std::vector<Picture>()));

@@ -24,6 +24,7 @@ class Diagnosing {
              const DiagnoseOptions& options, double until = 1.0)
       : study_(study), data_(data), holdout_(holdout), options_(options), until_(until) {
     result_.own_holdout = !holdout_.empty();
+    result_.counted = until;
     if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
   }
 

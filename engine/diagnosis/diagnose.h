@@ -50,6 +50,7 @@ struct Diagnosis {
   std::map<std::string, double> floor_by_signal, residual_by_signal;  // unit of the signal
   std::map<std::string, SignalGain> train, holdout;
   bool own_holdout = false;  // --holdout was given
+  double counted = 1.0;      // share of the records, from their beginning, that all of this is about
   std::vector<Seen> would_have_seen;
   std::vector<Considered> considered;
   std::vector<Refitted> refitted;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/atomic_file.h"
+#include "diagnosis/play.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
@@ -40,23 +41,50 @@ std::string AsToml(const Value& value, const std::string& written) {
   return value.is_string() ? fmt::format("\"{}\"", value.string()) : written;
 }
 
+// Of the realtime solver with a nonlinear law: 1e-4 is seen for a cubic spring in substeps.
+constexpr double kSolver = 5e-4;
+
+/// How far apart the two solvers may be, in the signal's spread: a tenth of what the record can tell.
+double LimitOf(const Channel& channel, const Diagnosis& diagnosis) {
+  const auto floor = diagnosis.floor_by_signal.find(channel.name);
+  const double noise =
+      floor != diagnosis.floor_by_signal.end() && channel.spread > 0.0 ? floor->second / channel.spread : 0.0;
+  return std::max(0.1 * noise, kSolver);
+}
+
+/// How long a chaotic motion is simulated well enough for the checks below: as long as a finer step of the solver is no
+/// more than a quarter of their limit away, which leaves the rest to the other solver. Whole milliseconds [s].
+double SolvedFor(const Study& study, const Fit& fit, const Diagnosis& diagnosis) {
+  const Plan plan = study.PlanOf(fit.hypothesis);
+  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(Finer(plan));
+  double solved_s = study.records().front().end_s;
+  if (!coarse.ok() || !fine.ok()) return solved_s;
+  for (const Channel& c : study.channels()) {
+    const double limit = 0.25 * LimitOf(c, diagnosis);
+    double apart = 0.0, size = 0.0;
+    Eigen::Index good = 0;  // the last row up to which that holds
+    for (Eigen::Index i = 0; i < c.count; ++i) {
+      apart += std::pow((*fine)[c.begin + i] - (*coarse)[c.begin + i], 2);
+      size += std::pow((*fine)[c.begin + i], 2);
+      if (apart <= limit * limit * size) good = i;
+    }
+    solved_s = std::min(solved_s, static_cast<double>(good) * c.step_s);
+  }
+  return std::max(1.0, std::floor(1e3 * solved_s)) * 1e-3;
+}
+
 /// What the extended scenario is held to: both solvers closer than the record can tell, in windows where motion is
 /// chaotic.
 std::string OwnChecks(const Study& study, const Diagnosis& diagnosis) {
-  // Of the realtime solver with a nonlinear law: 1e-4 is seen for a cubic spring in substeps.
-  constexpr double kSolver = 5e-4;
   const bool windows = study.plan().root.FindPath("prediction_window_s") != nullptr;
   std::set<std::string> signals;
   std::string text;
   for (const Channel& channel : study.channels()) {
     if (!signals.insert(channel.name).second) continue;
-    const auto floor = diagnosis.floor_by_signal.find(channel.name);
-    const double noise =
-        floor != diagnosis.floor_by_signal.end() && channel.spread > 0.0 ? floor->second / channel.spread : 0.0;
     text += fmt::format(
         "\n[[check]]\nkind = \"{}\"\nsignal = \"{}\"\nnrmse = {}\n"
         "origin = \"a tenth of the record's noise, and at least {}, the solvers' distance under a nonlinear law\"\n",
-        windows ? "windows" : "solvers", channel.name, Number(std::max(0.1 * noise, kSolver)), kSolver);
+        windows ? "windows" : "solvers", channel.name, Number(LimitOf(channel, diagnosis)), kSolver);
   }
   return text;
 }
@@ -84,6 +112,11 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
                        fmt::format("{} = {}  # nominal {}, fitted along\n", doubt.path.substr(dot + 1),
                                    Number(value.value), Number(value.nominal)));
     tables.insert(lines.back().first);
+  }
+  if (diagnosis.counted < 1.0) {
+    lines.emplace_back("run", fmt::format("duration_s = {}  # the motion is chaotic: solvers differ afterwards\n",
+                                          Number(SolvedFor(study, fit, diagnosis))));
+    tables.insert("run");
   }
   // What --set changed belongs to the nominal model, which the file alone does not have.
   for (const std::string& change : options.overrides) {

@@ -90,9 +90,9 @@ void AddOf(const Channel& channel, const std::string& title, const Courses& c, s
 
 }  // namespace
 
-Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records,
+Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, double until,
                                   const std::string& extended_file, const Registry& registry) {
-  const Study study(nominal, records, registry);
+  const Study study(nominal, records, registry, until);
   const Result<Eigen::VectorXd> before = study.PredictPlan(nominal);
   if (!before.ok()) return before.failure();
   std::optional<Eigen::VectorXd> after;

@@ -95,11 +95,8 @@ void Thin(std::vector<Follower>& followers) {
 
 /// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well.
 bool Forgets(const Study& study, const Hypothesis& hypothesis) {
-  Plan plan = study.PlanOf(hypothesis), finer = plan;
-  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
-  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
-  finer.root["run"]["realtime"]["substeps"] = Value(2 * now);
-  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(finer);
+  const Plan plan = study.PlanOf(hypothesis);
+  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(Finer(plan));
   if (!coarse.ok() || !fine.ok()) return false;
   constexpr double kComparable = 0.3;
   return std::all_of(study.channels().begin(), study.channels().end(), [&](const Channel& c) {
@@ -110,6 +107,13 @@ bool Forgets(const Study& study, const Hypothesis& hypothesis) {
 }
 
 }  // namespace
+
+Plan Finer(Plan plan) {
+  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
+  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
+  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
+  return plan;
+}
 
 std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
   const Effect* play = study.registry().FindEffect("backlash");
