@@ -93,8 +93,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   const int exit = arguments.strict && open ? kUndecided : kGood;
   int written = kGood;
   if (!arguments.html.empty()) {
-    const Result<std::vector<Picture>> pictures =
-        diagnosis::Look(measured->plan, measured->data, result->counted, result->extended_scenario, *registry);
+    const Result<std::vector<Picture>> pictures = diagnosis::Look(measured->plan, measured->data, *result, *registry);
     if (!pictures.ok()) Complain(pictures.failure().ToString() + "\n");
     written = WriteHtml(arguments.html, reports::DiagnosisPage(measured->plan.id, arguments.data, *result,
                                                                pictures.ok() ? *pictures : std::vector<Picture>()));

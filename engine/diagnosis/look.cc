@@ -88,19 +88,30 @@ void AddOf(const Channel& channel, const std::string& title, const Courses& c, s
   pictures.insert(pictures.end(), {overlay, residual, spectrum});
 }
 
+/// The plan as the records were found to start.
+Plan Started(Plan plan, const Diagnosis& found) {
+  for (const Refitted& value : found.refitted) {
+    const std::size_t dot = value.path.rfind('.');
+    Value* parent = plan.root.FindPath(value.path.substr(0, dot));
+    if (value.start && parent != nullptr && parent->is_table())
+      (*parent)[value.path.substr(dot + 1)] = Value(value.value);
+  }
+  return plan;
+}
+
 }  // namespace
 
-Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, double until,
-                                  const std::string& extended_file, const Registry& registry) {
-  const Study study(nominal, records, registry, until);
-  const Result<Eigen::VectorXd> before = study.PredictPlan(nominal);
+Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, const Diagnosis& found,
+                                  const Registry& registry) {
+  const Study study(nominal, records, registry, found.counted);
+  const Result<Eigen::VectorXd> before = study.PredictPlan(Started(nominal, found));
   if (!before.ok()) return before.failure();
   std::optional<Eigen::VectorXd> after;
-  if (!extended_file.empty()) {
+  if (const std::string& file = found.extended_scenario; !file.empty()) {
     Diagnostics diagnostics;
-    const std::unique_ptr<Prepared> extended = Prepare(extended_file, {}, registry, diagnostics);
-    if (extended == nullptr) return Failure{.message = diagnostics.Format(), .signal = extended_file};
-    Result<Eigen::VectorXd> predicted = study.PredictPlan(extended->plan);
+    const std::unique_ptr<Prepared> extended = Prepare(file, {}, registry, diagnostics);
+    if (extended == nullptr) return Failure{.message = diagnostics.Format(), .signal = file};
+    Result<Eigen::VectorXd> predicted = study.PredictPlan(Started(extended->plan, found));
     if (!predicted.ok()) return predicted.failure();
     after = std::move(*predicted);
   }

@@ -4,16 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/diagnose.h"
 #include "diagnosis/study.h"
 #include "experiment/pictures.h"
 
 namespace dynoproof::diagnosis {
 
-/// Per measured output of every record: the overlay, the residual and its spectrum; and, for each output measured along
-/// with it, the residual's mean over that output's value, the non-parametric look. `extended_file` may be empty: then
-/// there is no "after". Fails where the nominal run breaks.
-/// `until`: share of the records that is shown.
-Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, double until,
-                                  const std::string& extended_file, const Registry& registry);
+/// Per measured output of every record, as far as the diagnosis counts it: the overlay, the residual and its spectrum;
+/// and, for each output measured along with it, the residual's mean over that output's value, the non-parametric look.
+/// Everything starts as the records were found to. Without an extended scenario there is no "after". Fails where a run
+/// breaks.
+Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, const Diagnosis& found,
+                                  const Registry& registry);
 
 }  // namespace dynoproof::diagnosis
