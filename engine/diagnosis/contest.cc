@@ -175,7 +175,7 @@ bool Contest::AtFloor(const Fit& fit) const {
   const Eigen::VectorXd residual = study_.measured() - fit.predicted;
   return std::all_of(study_.channels().begin(), study_.channels().end(), [&](const Channel& channel) {
     const auto rows = residual.segment(channel.begin, channel.count);
-    return rows.norm() < kNear * HighFrequencyFloor(rows) * std::sqrt(static_cast<double>(channel.count));
+    return RmsOf(rows) < kNear * HighFrequencyFloor(rows);
   });
 }
 

@@ -25,7 +25,7 @@ Coordinates::Coordinates(const std::vector<Assumed>& effects) : effects_(effects
   for (const Assumed& assumed : effects) {
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
       const EffectParameter& p = assumed.effect->info().parameters[i];
-      Axis axis{p.lower, p.upper, 0.0, 1.0, false, 0.0};
+      Axis axis{p.lower, p.upper, 0.0, 1.0, false};
       axis.log = p.lower > 0.0 && p.upper / p.lower > 100.0 && (!std::isfinite(p.neutral) || p.neutral == p.upper);
       if (!axis.log) {
         axis.origin = std::isfinite(p.neutral) ? p.neutral : 0.0;

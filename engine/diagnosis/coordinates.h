@@ -22,7 +22,8 @@ class Coordinates {
   std::vector<double> Start() const;
   std::vector<Assumed> At(const double* x) const;
   /// The step of a forward difference there, away from a bound. The free run is smooth to some 1e-9 of its size for
-  /// linear lines; 1e-5 of a parameter's own size stands far above that, and is small beside a sharp resonance's width.
+  /// linear lines; 1e-5 of a parameter's own size, and no less than the engine resolves, stands far above that, and is
+  /// small beside a sharp resonance's width.
   double Difference(std::size_t i, double x) const;
 
  private:

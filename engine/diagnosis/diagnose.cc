@@ -19,10 +19,10 @@ constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
 
 class Diagnosing {
  public:
-  /// `until`: share of the records that is looked at, seven tenths of it in `study`.
-  Diagnosing(const Study& study, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
-             const DiagnoseOptions& options, double until = 1.0)
-      : study_(study), data_(data), holdout_(holdout), options_(options), until_(until) {
+  /// `study`: made of `data` cut at `training`, out of a share `until` of the records that is looked at.
+  Diagnosing(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
+             const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
+      : study_(study), training_(training), data_(data), holdout_(holdout), options_(options) {
     result_.own_holdout = !holdout_.empty();
     result_.counted = until;
     if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
@@ -30,10 +30,9 @@ class Diagnosing {
 
   /// Who accounts for the data; `suspects` are candidates from elsewhere.
   Status Decide(const std::vector<Hypothesis>& suspects = {}) {
-    const double share = result_.own_holdout ? until_ : until_ * kTrainingShare;
     const char* saved = suspects.empty() ? "diagnose_state.json" : "diagnose_state_beginning.json";
     Result<Found> found =
-        Search(study_, data_, share,
+        Search(study_, data_, training_,
                {(std::filesystem::path(options_.out) / saved).string(), options_.resume, options_.progress, suspects});
     if (!found.ok()) return found.failure();
     found_ = *std::move(found);
@@ -241,7 +240,7 @@ class Diagnosing {
     double sum = 0.0;
     for (const Channel& c : study_.channels()) {
       const auto rows = residual.segment(c.begin, c.count);
-      const double rms = std::sqrt(rows.squaredNorm() / static_cast<double>(c.count));
+      const double rms = RmsOf(rows);
       const double white = HighFrequencyFloor(rows);
       const double floor = result_.at_noise_floor ? rms : std::min(white, rms);
       floor_.push_back(std::max(floor, 1e-9 * std::max(c.spread, c.nominal)));
@@ -264,7 +263,7 @@ class Diagnosing {
     if (!before.ok()) return before.failure();
     if (!after.ok()) return after.failure();
     result_.train = GainsOf(study_, *before, *after, 0.0);
-    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), until_,
+    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), result_.counted,
                      study_.decompositions());
     Hypothesis chosen = best.hypothesis;
     if (result_.own_holdout) {
@@ -291,10 +290,10 @@ class Diagnosing {
   }
 
   const Study& study_;  // all that is for training
+  const double training_;
   const std::vector<MappedRecord>& data_;
   const std::vector<MappedRecord>& holdout_;
   const DiagnoseOptions& options_;
-  const double until_;
   Found found_;
   Diagnosis result_;
   std::vector<std::size_t> alike_;
@@ -323,7 +322,7 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
                            const DiagnoseOptions& options) {
   const double share = holdout.empty() ? kTrainingShare : 1.0;
   const Study study(plan, data, registry, share);
-  Diagnosing whole(study, data, holdout, options);
+  Diagnosing whole(study, share, 1.0, data, holdout, options);
   if (Status failed = whole.Decide()) return *failed;
   if (!whole.LeavesStructure()) return whole.Report();
   const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
@@ -331,7 +330,7 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   if (!followed) return whole.Report();
   const double until = followed->share < 1.0 ? share * followed->share : 1.0;
   const Study beginning(plan, data, registry, share * until, study.decompositions());
-  Diagnosing first(beginning, data, holdout, options, until);
+  Diagnosing first(beginning, share * until, until, data, holdout, options);
   if (first.Decide({followed->hypothesis}) || !first.Holds("backlash")) return whole.Report();
   if (until < 1.0) {
     first.Note(

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "base/atomic_file.h"
-#include "diagnosis/play.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {

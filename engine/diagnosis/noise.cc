@@ -107,6 +107,10 @@ Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& rows) const {
   return white;
 }
 
+double RmsOf(const Eigen::Ref<const Eigen::VectorXd>& rows) {
+  return rows.norm() / std::sqrt(static_cast<double>(rows.size()));
+}
+
 double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual) {
   // Without a window the ends of what rings on would leak up there.
   const Eigen::ArrayXd phase = Eigen::ArrayXd::LinSpaced(residual.size(), 0.0, 2.0 * std::numbers::pi);
@@ -216,9 +220,8 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
       result.line_hz = static_cast<double>(peak - power.begin() + 1) / (static_cast<double>(count) * channel.step_s);
     }
     result.white_p_value = WhitePValue(alone, 40, 0);
-    result.size = rows.norm() / std::max(channel.spread, 1e-300) / std::sqrt(static_cast<double>(channel.count));
-    result.over_floor =
-        rows.norm() / std::sqrt(static_cast<double>(channel.count)) / std::max(HighFrequencyFloor(rows), 1e-300);
+    result.size = RmsOf(rows) / std::max(channel.spread, 1e-300);
+    result.over_floor = RmsOf(rows) / std::max(HighFrequencyFloor(rows), 1e-300);
     const double variance = before / static_cast<double>(count);
     result.bursts = alone.array().square().square().mean() / std::max(variance * variance, 1e-300);
     result.rings = WithoutTrend(target).squaredNorm() / std::max(before, 1e-300);

@@ -41,6 +41,8 @@ class Whitener {
   double rows_ = 0.0;
 };
 
+/// Root mean square of the rows of a channel. Unit of the residual.
+double RmsOf(const Eigen::Ref<const Eigen::VectorXd>& rows);
 /// Standard deviation of white noise that would give the spectrum between 0.7 and 0.95 of the Nyquist frequency, where
 /// no drive line moves; the median over the bins, so that tones do not count. Unit of the residual.
 double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual);

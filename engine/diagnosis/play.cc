@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -28,18 +27,15 @@ struct Follower {
   double over = 0.0;        // RMS of what is left over the noise floor, of the worst channel
 };
 
-double RmsOf(const Channel& channel, const Eigen::VectorXd& rows) {
-  return rows.segment(channel.begin, channel.count).norm() / std::sqrt(static_cast<double>(channel.count));
-}
-
 Follower Weighed(const Study& study, Fit fit) {
   Follower follower{std::move(fit)};
   const Eigen::VectorXd left = study.measured() - follower.fit.predicted;
   follower.likelihood = PriorChi2(follower.fit);
   for (const Channel& c : study.channels()) {
-    const double rms = std::max(RmsOf(c, left), 1e-12 * c.nominal);
+    const auto rows = left.segment(c.begin, c.count);
+    const double rms = std::max(RmsOf(rows), 1e-12 * c.nominal);
     follower.likelihood += 2.0 * static_cast<double>(c.count) * std::log(rms);
-    follower.over = std::max(follower.over, rms / std::max(HighFrequencyFloor(left.segment(c.begin, c.count)), 1e-300));
+    follower.over = std::max(follower.over, rms / std::max(HighFrequencyFloor(rows), 1e-300));
   }
   return follower;
 }
@@ -99,21 +95,16 @@ bool Forgets(const Study& study, const Hypothesis& hypothesis) {
   const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(Finer(plan));
   if (!coarse.ok() || !fine.ok()) return false;
   constexpr double kComparable = 0.3;
+  const Eigen::VectorXd left = study.measured() - *coarse, moved = *fine - *coarse;
   return std::all_of(study.channels().begin(), study.channels().end(), [&](const Channel& c) {
-    const Eigen::VectorXd left = study.measured() - *coarse;
-    const double floor = HighFrequencyFloor(left.segment(c.begin, c.count)), missed = RmsOf(c, left);
-    return missed < kAtFloor * floor || RmsOf(c, *fine - *coarse) > kComparable * missed;
+    const auto rows = left.segment(c.begin, c.count);
+    const double missed = RmsOf(rows);
+    return missed < kAtFloor * HighFrequencyFloor(rows) ||
+           RmsOf(moved.segment(c.begin, c.count)) > kComparable * missed;
   });
 }
 
 }  // namespace
-
-Plan Finer(Plan plan) {
-  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
-  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
-  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
-  return plan;
-}
 
 std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
   const Effect* play = study.registry().FindEffect("backlash");

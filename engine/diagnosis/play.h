@@ -15,9 +15,6 @@ struct Followed {
   double share = 0.0;     // of the study's records that a free run predicts to the noise; 1: all of them
 };
 
-/// The plan with half the solver's step.
-Plan Finer(Plan plan);
-
 /// `study`: all of the training data. Nothing where no gap is followed through twice the first part, or where a longer
 /// free run would tell more than it does: what it misses later must be no more than what finer substeps change.
 std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 
 #include "experiment/prepare.h"
@@ -53,6 +54,13 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 }
 
 }  // namespace
+
+Plan Finer(Plan plan) {
+  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
+  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
+  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
+  return plan;
+}
 
 Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until,
              std::shared_ptr<mechanics::Decompositions> known)

@@ -39,6 +39,9 @@ struct Channel {
   Eigen::Index begin = 0, count = 0;
 };
 
+/// The plan with half the solver's step.
+Plan Finer(Plan plan);
+
 class Study {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "diagnosis/noise.h"
 #include "score/fft.h"
 #include "score/series.h"
 
@@ -110,8 +111,7 @@ WhereWrong FindWhere(const Study& study, const Eigen::VectorXd& residual, const 
   std::size_t at = 0;
   for (std::size_t c = 0; c < study.channels().size(); ++c) {
     const Channel& channel = study.channels()[c];
-    const double rms =
-        std::sqrt(residual.segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count));
+    const double rms = RmsOf(residual.segment(channel.begin, channel.count));
     if (floor[c] > 0.0 && rms / floor[c] > worst) worst = rms / floor[c], at = c;
   }
   const Channel& channel = study.channels()[at];

@@ -5,20 +5,15 @@
 
 #include <cmath>
 
-#include "base/random.h"
-#include "diagnosis/noise.h"
 #include "scenario/load.h"
 #include "tests/blind/independent_line.h"
+#include "tests/diagnosis/made_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kNoise = 0.005;  // of each signal
 constexpr double kGap_rad = 1.1e-5;
-
-std::shared_ptr<const std::vector<double>> Shared(std::vector<double> values) {
-  return std::make_shared<const std::vector<double>>(std::move(values));
-}
 
 /// Half a second of a line that no engine code simulated, its values a little off, with noise.
 class SlowPlay : public testing::Test {
@@ -28,25 +23,15 @@ class SlowPlay : public testing::Test {
   Study Measured(const blind::IndependentLine& line) {
     Diagnostics diagnostics;
     const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-    std::vector<double> time, torque;
-    for (std::uint64_t i = 0; i <= 5000; ++i) {
-      time.push_back(1e-4 * static_cast<double>(i));
-      torque.push_back(300.0 * RandomNormal(5, 1, i));
-    }
+    constexpr std::size_t kRows = 5001;
+    std::vector<double> torque = RandomTorque(kRows);
     const blind::IndependentLine::Output output = line.Run(torque);
     MappedRecord record;
-    const auto shared_time = Shared(std::move(time));
-    record.inputs["T_airgap"] = {shared_time, Shared(std::move(torque))};
-    record.end_s = shared_time->back();
-    std::uint64_t stream = 2;
-    for (const auto& [name, clean] : {std::pair{"T_shaft", &output.T_shaft}, {"omega_1", &output.omega_1}}) {
-      const Eigen::Map<const Eigen::ArrayXd> rows(clean->data(), static_cast<Eigen::Index>(clean->size()));
-      const double sigma = kNoise * std::sqrt((rows - rows.mean()).square().mean());
-      std::vector<double> values = *clean;
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(5, stream, i);
-      record.outputs[name] = {shared_time, Shared(std::move(values))};
-      ++stream;
-    }
+    const auto time = Shared(Times(kRows));
+    record.inputs["T_airgap"] = {time, Shared(std::move(torque))};
+    record.outputs["T_shaft"] = {time, Noisy(output.T_shaft, kNoise, 2)};
+    record.outputs["omega_1"] = {time, Noisy(output.omega_1, kNoise, 3)};
+    record.end_s = time->back();
     return Study(*plan, {record}, registry_);
   }
 

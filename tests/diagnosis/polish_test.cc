@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "base/random.h"
 #include "diagnosis/fit.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
+#include "tests/diagnosis/made_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -14,23 +14,14 @@ namespace {
 constexpr std::size_t kRows = 14001;
 constexpr double kNoise = 0.003;  // of each signal
 
-std::shared_ptr<const std::vector<double>> Shared(std::vector<double> values) {
-  return std::make_shared<const std::vector<double>>(std::move(values));
-}
-
 class SlowPolish : public testing::Test {
  protected:
   SlowPolish() {
     RegisterBuiltIns(registry_);
     Diagnostics diagnostics;
     plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-    std::vector<double> time, torque;
-    for (std::uint64_t i = 0; i < kRows; ++i) {
-      time.push_back(1e-4 * static_cast<double>(i));
-      torque.push_back(300.0 * RandomNormal(5, 1, i));
-    }
-    time_ = Shared(std::move(time));
-    record_.inputs["T_airgap"] = {time_, Shared(std::move(torque))};
+    time_ = Shared(Times(kRows));
+    record_.inputs["T_airgap"] = {time_, Shared(RandomTorque(kRows))};
     record_.end_s = time_->back();
   }
 
@@ -51,11 +42,7 @@ class SlowPolish : public testing::Test {
     std::uint64_t stream = 2;
     for (const Channel& channel : study.channels()) {
       const Eigen::VectorXd rows = clean->segment(channel.begin, channel.count);
-      const double sigma = kNoise * std::sqrt((rows.array() - rows.mean()).square().mean());
-      std::vector<double> values(rows.begin(), rows.end());
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(5, stream, i);
-      record_.outputs[channel.name] = {time_, Shared(std::move(values))};
-      ++stream;
+      record_.outputs[channel.name] = {time_, Noisy({rows.begin(), rows.end()}, kNoise, stream++)};
     }
     return Study(*plan_, {record_}, registry_);
   }
