@@ -28,8 +28,8 @@ std::string Causes(const Diagnosis& d) {
                                 {Escape(effect.at)},
                                 {fmt::format("{:.1f} %", 100.0 * effect.confidence), "number"},
                                 {Escape(parameter.name)},
-                                {Number(parameter.value), "number"},
-                                {fmt::format("{} ... {}", Number(parameter.lower), Number(parameter.upper)), "number"},
+                                {parameter.Text(parameter.value), "number"},
+                                {parameter.Text(parameter.lower) + " ... " + parameter.Text(parameter.upper), "number"},
                                 {Unit(parameter.unit)}});
     }
   }

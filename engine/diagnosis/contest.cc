@@ -32,8 +32,8 @@ void KeepBetter(Fit& fit, Fit other) {
 
 Contest::Contest(const Study& study, SavedFits& saved, Progress progress)
     : study_(study), saved_(saved), step_(std::move(progress)) {
-  for (const double share : {1.0 / 27.0, 1.0 / 9.0, 1.0 / 3.0})
-    rungs_.emplace_back(study.plan(), study.records(), study.registry(), share, study.decompositions());
+  if (PredictionWindow(study.plan())) return;  // no mode is ever far out of phase
+  for (const double share : {1.0 / 27.0, 1.0 / 9.0, 1.0 / 3.0}) rungs_.push_back(study.Part(share));
 }
 
 /// A doubt that is needed far outside its spread is no doubt any more: the effect that says so.

@@ -4,304 +4,89 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <memory>
 #include <optional>
+#include <utility>
 
-#include "diagnosis/decide.h"
-#include "diagnosis/extend.h"
-#include "diagnosis/play.h"
+#include "diagnosis/follow.h"
+#include "diagnosis/judgement.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kTrainingShare = 0.7;
-constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
+constexpr double kLonger = 1.5;   // from one beginning to the next
+constexpr double kOpening = 0.3;  // of the time
 
-class Diagnosing {
- public:
-  /// `study`: made of `data` cut at `training`, out of a share `until` of the records that is looked at.
-  Diagnosing(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
-             const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
-      : study_(study), training_(training), data_(data), holdout_(holdout), options_(options) {
-    result_.own_holdout = !holdout_.empty();
-    result_.counted = until;
-    if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
+/// A diagnosis and what it is made of.
+struct Task {
+  const Plan& plan;
+  const std::vector<MappedRecord>& data;
+  const std::vector<MappedRecord>& holdout;
+  const Registry& registry;
+  const DiagnoseOptions& options;
+
+  double training() const { return holdout.empty() ? kTrainingShare : 1.0; }
+  Study Part(const Plan& of, double until, std::shared_ptr<mechanics::Decompositions> known) const {
+    return Study(of, data, registry, training() * until, std::move(known));
   }
-
-  /// Who accounts for the data; `suspects` are candidates from elsewhere.
-  Status Decide(const std::vector<Hypothesis>& suspects = {}) {
-    const char* saved = suspects.empty() ? "diagnose_state.json" : "diagnose_state_beginning.json";
-    Result<Found> found =
-        Search(study_, data_, training_,
-               {(std::filesystem::path(options_.out) / saved).string(), options_.resume, options_.progress, suspects});
-    if (!found.ok()) return found.failure();
-    found_ = *std::move(found);
-    result_.considered = std::move(found_.considered);
-    result_.simulations = found_.simulations;
-    Judge();
-    return {};
+  Judgement Of(const Study& study, double until) const {
+    return Judgement(study, training() * until, until, data, holdout, options);
   }
-
-  bool LeavesStructure() const { return result_.verdict == Verdict::kUnexplained && !result_.at_noise_floor; }
-  bool Holds(const std::string& effect) const {
-    return (result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) &&
-           found_.fits.front().hypothesis.effects.front().effect->info().name == effect;
-  }
-  void Note(std::string note) { result_.notes.push_back(std::move(note)); }
-
-  /// The verdict with what it gains, and the files.
-  Result<Diagnosis> Report() {
-    if (Status failed = Conclude()) return *failed;
-    options_.progress("done", 1.0);
-    return std::move(result_);
-  }
-
- private:
-  void Judge() {
-    Fit& null = found_.null;
-    std::vector<Fit>& fits = found_.fits;
-    const std::vector<Structure>& structure = found_.structure;
-    const Fitter fitter(study_, fits.empty() ? WhitenerOf(study_, null) : WhitenerOf(study_, fits.front()));
-    fitter.Weigh(null);
-    fitter.Derive(null);
-    const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
-    const double rows = fitter.whitener().rows();
-    const std::vector<std::string> strained = StrainedDoubts(null);
-    const double farthest = Farthest(study_, null);
-    std::vector<Fit> standing;
-    for (Fit& fit : fits) {
-      fitter.Weigh(fit);
-      fitter.Derive(fit);
-      result_.simulations += fit.parameters() + 1;
-      const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
-      const Standing s = Compare(study_, null, null_blocks, fit, blocks, rows, found_.candidates.size());
-      Considered& considered = result_.considered.emplace_back(ConsideredOf(fit));
-      considered.validation_nrmse =
-          TotalNrmse(study_, fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
-      considered.why_not = WhyNot(s, fit, fits.front());
-      bool within = false;  // a change no larger than the doubt about its number is none
-      bool beyond = false;  // and one that the nominal model cannot do without either, far outside the doubt, is one
-      for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-        const std::optional<double> z = AsDoubt(study_.doubts()[i], fit);
-        if (!z) continue;
-        within = within || std::abs(*z) < kWithinDoubt;
-        const double without = null.hypothesis.z[i];
-        beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
-                            s.chi2_gain > 0.5 * without * without);
-      }
-      // So is one that spares the nominal model a value far outside its doubt: it stands beside what says that value.
-      beyond = beyond || (farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
-                          s.chi2_gain > 0.5 * farthest * farthest);
-      if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
-      if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
-      bool nothing = false;
-      for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(fit, e);
-      if (nothing) considered.why_not = "its size cannot be told from none";
-      if ((s.significant || beyond) && !within && !nothing) standing.push_back(fit);
-    }
-    fits = std::move(standing);
-    const bool rest = AnyFound(structure);
-    for (std::size_t c = 0; c < structure.size(); ++c)
-      result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
-    result_.white =
-        std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
-    result_.at_noise_floor = !rest;
-    if (fits.empty()) {
-      result_.verdict = Verdict::kUnexplained;
-      if (rest) {
-        result_.reason =
-            "the residual follows the inputs, has a line or is too large for noise, and no candidate accounts for it";
-      } else if (!strained.empty()) {
-        result_.reason = fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
-                                     fmt::join(strained, ", "));
-      } else if (farthest >= kBeyondDoubt) {
-        result_.reason =
-            fmt::format("the data agree with the model only where a nominal value lies {:.1f} spreads off", farthest);
-      } else {
-        result_.verdict = Verdict::kNoEffect;
-        result_.reason = "the data agree with the model within the doubt about its nominal values";
-      }
-      return;
-    }
-    alike_ = AmbiguitySet(fits, found_.threshold);
-    // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
-    if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold)
-      also_ = strained;
-    if (rest) {
-      result_.verdict = Verdict::kUnexplained;
-      result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
-                                   found_.partial.empty() ? "" : "; ", found_.partial);
-    } else if (const double strain = Farthest(study_, fits.front()); strain > kWithinDoubt) {
-      result_.verdict = Verdict::kUnexplained;
-      result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
-                                   fits.front().Name(), strain);
-    } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
-      result_.verdict = Verdict::kUnexplained;
-      result_.reason = fmt::format("{} candidates account for the data alike", count);
-    } else {
-      result_.verdict = count > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
-      result_.reason = count > 1 ? "these data cannot tell the candidates apart"
-                                 : "the residual is at the noise floor with it, and with nothing else";
-    }
-  }
-
-  /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.
-  std::vector<std::string> StrainedDoubts(const Fit& null) const {
-    std::vector<std::string> strained;
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-      const Doubt& doubt = study_.doubts()[i];
-      if (!doubt.start && doubt.effect.empty() && std::abs(null.hypothesis.z[i]) > kWithinDoubt)
-        strained.push_back("nominal_value@" + doubt.path);
-    }
-    return strained;
-  }
-
-  std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) const {
-    if (!s.significant)
-      return fmt::format("gains too little over the nominal values alone (chi2 {:.0f}, {} of {} validation parts)",
-                         s.chi2_gain, s.blocks_better, kBlocks);
-    const double behind = fit.criterion - best.criterion;
-    if (behind <= 0.0) return "";
-    if (behind <= 10.0) return fmt::format("as good as the best within {:.1f} (-2 log evidence)", behind);
-    if (fit.chi2 <= best.chi2 + 10.0)
-      return fmt::format("no better than the best with more parameters (-2 log evidence {:.0f} behind)", behind);
-    return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
-  }
-
-  Status Conclude() {
-    const Fit& null = found_.null;
-    const std::vector<Fit>& fits = found_.fits;
-    const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
-    const Fit& best = known ? fits.front() : null;
-    NoiseFloor(best);
-    const Result<Eigen::VectorXd> nominal = study_.Predict(study_.Nominal());
-    if (!nominal.ok()) return nominal.failure();
-    result_.where = FindWhere(study_, study_.measured() - *nominal, floor_);
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-      if (best.hypothesis.z[i] == 0.0) continue;
-      const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
-      result_.refitted.push_back(
-          {study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_.doubts()[i].start});
-    }
-    if (known) ReportEffects(fits);
-    if (Status failed = MeasureGain(best)) return failed;
-    if (result_.verdict == Verdict::kNoEffect) {
-      for (const Screened& one : found_.screened) {
-        const Candidate& candidate = found_.candidates[one.candidate];
-        if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
-        result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
-                                           candidate.effect->info().parameters[candidate.strengths[0]].unit,
-                                           one.smallest});
-      }
-    }
-    if (!known) return {};
-    const Result<std::string> file = WriteExtended(study_, best, result_, options_);
-    if (!file.ok()) return file.failure();
-    result_.extended_scenario = *file;
-    return {};
-  }
-
-  void ReportEffects(const std::vector<Fit>& fits) {
-    const Fit& best = fits.front();
-    double evidence = 0.0;
-    for (const Fit& fit : fits) evidence += std::exp(-0.5 * (fit.criterion - best.criterion));
-    Eigen::Index k = 0;
-    for (const Assumed& assumed : best.hypothesis.effects) {
-      FoundEffect& found = result_.effects.emplace_back();
-      found.name = assumed.effect->info().name;
-      found.at = assumed.place.ToString();
-      found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
-      for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
-        const EffectParameter& p = assumed.effect->info().parameters[i];
-        const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k)));
-        found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
-                                    std::max(p.lower, assumed.parameters[i] - half),
-                                    std::min(p.upper, assumed.parameters[i] + half)});
-      }
-    }
-    if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;
-    std::vector<std::string> names;
-    std::vector<Assumed> alike;
-    for (const std::size_t i : alike_) {
-      names.push_back(fits[i].Name());
-      alike.push_back(fits[i].hypothesis.effects.back());
-    }
-    names.insert(names.end(), also_.begin(), also_.end());
-    result_.ambiguous_with.push_back(names);
-    result_.experiment_text = SeparatingText(study_, alike);
-    const Result<std::string> file = WriteSeparating(study_, alike, options_);
-    if (file.ok()) result_.experiment_scenario = *file;
-  }
-
-  /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
-  /// and nothing but noise is left, the residual itself.
-  void NoiseFloor(const Fit& best) {
-    const Eigen::VectorXd residual = study_.measured() - best.predicted;
-    double sum = 0.0;
-    for (const Channel& c : study_.channels()) {
-      const auto rows = residual.segment(c.begin, c.count);
-      const double rms = RmsOf(rows);
-      const double white = HighFrequencyFloor(rows);
-      const double floor = result_.at_noise_floor ? rms : std::min(white, rms);
-      floor_.push_back(std::max(floor, 1e-9 * std::max(c.spread, c.nominal)));
-      result_.floor_by_signal[c.name] = floor_.back();
-      result_.residual_by_signal[c.name] = rms;
-      sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
-    }
-    result_.noise_floor = std::sqrt(sum / static_cast<double>(study_.channels().size()));
-  }
-
-  /// Opened once, after the choice.
-  Status MeasureGain(const Fit& best) {
-    options_.progress("hold-out", 0.97);
-    // Before: the scenario as written, but from the record's own start.
-    Hypothesis plain = study_.Nominal(), start = study_.Nominal();
-    for (std::size_t i = 0; i < plain.z.size(); ++i) {
-      if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
-    }
-    const Result<Eigen::VectorXd> before = study_.Predict(start), after = study_.Predict(best.hypothesis);
-    if (!before.ok()) return before.failure();
-    if (!after.ok()) return after.failure();
-    result_.train = GainsOf(study_, *before, *after, 0.0);
-    const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), result_.counted,
-                     study_.decompositions());
-    Hypothesis chosen = best.hypothesis;
-    if (result_.own_holdout) {
-      for (std::size_t i = 0; i < chosen.z.size(); ++i) {
-        if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
-      }
-    }
-    const Result<Eigen::VectorXd> b = full.Predict(start), a = full.Predict(chosen);
-    if (!b.ok()) return b.failure();
-    if (!a.ok()) return a.failure();
-    result_.simulations += 4;
-    result_.holdout = GainsOf(full, *b, *a, result_.own_holdout ? 0.0 : kTrainingShare);
-    double sum_before = 0.0, sum_after = 0.0;
-    for (const auto& [name, gain] : result_.holdout) {
-      sum_before += gain.before * gain.before;
-      sum_after += gain.after * gain.after;
-    }
-    if ((result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) &&
-        sum_after >= sum_before) {
-      result_.verdict = Verdict::kUnexplained;
-      result_.reason = "what gains on the training data does not gain on the hold-out";
-    }
-    return {};
-  }
-
-  const Study& study_;  // all that is for training
-  const double training_;
-  const std::vector<MappedRecord>& data_;
-  const std::vector<MappedRecord>& holdout_;
-  const DiagnoseOptions& options_;
-  Found found_;
-  Diagnosis result_;
-  std::vector<std::size_t> alike_;
-  std::vector<std::string> also_;  // nominal values that account for the data alike
-  std::vector<double> floor_;
 };
 
+/// As much of the records as `followed` predicts, with it among the candidates; nothing if it does not stand there.
+std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study& study, const Followed& followed) {
+  // Of motion that is known to be chaotic no more is predicted than what was followed.
+  const bool all = followed.share == 1.0 && !PredictionWindow(task.plan);
+  const double until = all ? 1.0 : task.training() * followed.share;
+  const Study beginning = task.Part(study.plan(), until, study.decompositions());
+  Judgement first = task.Of(beginning, until);
+  if (first.Decide("diagnose_state_beginning.json", {followed.hypothesis})) return std::nullopt;
+  const std::vector<Hypothesis> causes = first.Causes();
+  if (causes.empty() || causes.front().effects.front().effect != followed.hypothesis.effects.front().effect)
+    return std::nullopt;
+  if (until < 1.0) {
+    first.Note(
+        fmt::format("only the first {:.3g} s of the data count: with play the motion is chaotic, and no free run "
+                    "predicts more of it",
+                    until * task.data.front().end_s));
+  }
+  return first.Report();
+}
+
+/// Of a scenario that is compared in windows, since its motion is chaotic: what explains its first milliseconds in a
+/// free run, followed as far as it goes. In windows the nominal model is off by the whole signal as soon as the sides
+/// meet at another time than they did, and then nothing can be seen beside it.
+std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
+  Plan free = task.plan;
+  free.root.Erase("prediction_window_s");
+  const Study study = task.Part(free, 1.0, nullptr);
+  DiagnoseOptions said = task.options;
+  said.progress = [&](const std::string& what, double done) {
+    task.options.progress("the beginning: " + what, kOpening * done);
+  };
+  const Task beginning{task.plan, task.data, task.holdout, task.registry, said};
+  std::vector<Hypothesis> causes;
+  double from = 0.0;
+  for (double share = FirstShare(study.records()); share < 1.0; share *= kLonger) {
+    const Study part = task.Part(free, share, study.decompositions());
+    Judgement opening = beginning.Of(part, share);
+    if (opening.Decide("diagnose_state_opening.json") || opening.LeavesStructure()) break;
+    causes = opening.Causes();
+    from = share;
+  }
+  const auto progress = [&](double done) { said.progress("following what explains it", done); };
+  const std::optional<Followed> followed = Follow(study, from, causes, progress);
+  return followed ? DiagnoseFollowed(task, study, *followed) : std::nullopt;
+}
+
 }  // namespace
+
+std::string FoundParameter::Text(double number) const {
+  const double wide = upper - lower, large = std::max(std::abs(lower), std::abs(upper));
+  const double told = wide > 0.0 && std::isfinite(wide) ? std::ceil(std::log10(large / wide)) : 0.0;
+  return fmt::format("{:.{}g}", number, static_cast<int>(std::clamp(told + 2.0, 4.0, 15.0)));
+}
 
 std::string ToString(Verdict verdict) {
   switch (verdict) {
@@ -320,25 +105,20 @@ std::string ToString(Verdict verdict) {
 Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
-  const double share = holdout.empty() ? kTrainingShare : 1.0;
-  const Study study(plan, data, registry, share);
-  Diagnosing whole(study, share, 1.0, data, holdout, options);
-  if (Status failed = whole.Decide()) return *failed;
+  const Task task{plan, data, holdout, registry, options};
+  if (PredictionWindow(plan)) {
+    if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
+  }
+  const Study study = task.Part(plan, 1.0, nullptr);
+  Judgement whole = task.Of(study, 1.0);
+  if (Status failed = whole.Decide("diagnose_state.json")) return *failed;
   if (!whole.LeavesStructure()) return whole.Report();
   const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
-  const std::optional<Followed> followed = FollowPlay(study, progress);
-  if (!followed) return whole.Report();
-  const double until = followed->share < 1.0 ? share * followed->share : 1.0;
-  const Study beginning(plan, data, registry, share * until, study.decompositions());
-  Diagnosing first(beginning, share * until, until, data, holdout, options);
-  if (first.Decide({followed->hypothesis}) || !first.Holds("backlash")) return whole.Report();
-  if (until < 1.0) {
-    first.Note(
-        fmt::format("only the first {:.3g} s of the data count: with play the motion is chaotic, and no free run "
-                    "predicts more of it",
-                    until * data.front().end_s));
+  if (const std::optional<Followed> followed = FollowPlay(study, progress)) {
+    if (std::optional<Result<Diagnosis>> beginning = DiagnoseFollowed(task, study, *followed))
+      return *std::move(beginning);
   }
-  return first.Report();
+  return whole.Report();
 }
 
 }  // namespace dynoproof::diagnosis

@@ -21,6 +21,9 @@ std::string ToString(Verdict verdict);
 struct FoundParameter {
   std::string name, unit;
   double value = 0.0, lower = 0.0, upper = 0.0;  // 95 % interval
+
+  /// One of the three, with two digits of what the interval leaves open.
+  std::string Text(double number) const;
 };
 struct FoundEffect {
   std::string name, at;

@@ -149,8 +149,8 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     text += "[effect.parameters]\n";
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
       const FoundParameter& found = diagnosis.effects[e].parameters[i];
-      text += fmt::format("{} = {}  # {}, {:.6g} ... {:.6g}\n", found.name, Number(assumed.parameters[i]), found.unit,
-                          found.lower, found.upper);
+      text += fmt::format("{} = {}  # {}, {} ... {}\n", found.name, Number(assumed.parameters[i]), found.unit,
+                          found.Text(found.lower), found.Text(found.upper));
     }
   }
   return Write(options, "extended.toml", text + OwnChecks(study, diagnosis));

@@ -88,8 +88,8 @@ std::string ToTable(const Diagnosis& d) {
   for (const FoundEffect& effect : d.effects) {
     text += fmt::format("\n  {} at {}  (confidence {:.3f})\n", effect.name, effect.at, effect.confidence);
     for (const FoundParameter& p : effect.parameters)
-      text += fmt::format("    {:<14}{:>14.6g} {:<14} 95 %: {:.6g} ... {:.6g}\n", p.name, p.value, p.unit, p.lower,
-                          p.upper);
+      text += fmt::format("    {:<14}{:>14} {:<14} 95 %: {} ... {}\n", p.name, p.Text(p.value), p.unit, p.Text(p.lower),
+                          p.Text(p.upper));
   }
   for (const auto& set : d.ambiguous_with)
     text += fmt::format("\n  cannot be told apart: {}\n  to tell them: {}\n  {}\n", fmt::join(set, ", "),

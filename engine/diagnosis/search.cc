@@ -23,7 +23,7 @@ class Searching {
   Searching(const Study& study, const std::vector<MappedRecord>& data, double training_share,
             const SearchOptions& options)
       : whole_(study),
-        part_(Rough(study.plan()), study.records(), study.registry(), PartShare(study), study.decompositions()),
+        part_(study.Part(PartShare(study), Rough(study.plan()))),
         study_(&part_),
         short_(Rough(study.plan()), data, study.registry(), ShortShare(data, training_share), study.decompositions()),
         options_(options),

@@ -69,6 +69,7 @@ Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& regis
   for (MappedRecord& record : records_) {
     if (until < 1.0) CutRecord(record, until);
   }
+  given_ = records_;
   doubts_ = DoubtsOf(plan_);
   if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);
   Eigen::Index rows = 0;

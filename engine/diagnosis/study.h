@@ -49,6 +49,10 @@ class Study {
   Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0,
         std::shared_ptr<mechanics::Decompositions> known = std::make_shared<mechanics::Decompositions>());
 
+  /// The first share `until` of these records, with another plan of the same machine.
+  Study Part(double until, Plan plan) const { return {std::move(plan), given_, *registry_, until, known_}; }
+  Study Part(double until) const { return Part(until, plan_); }
+
   const Plan& plan() const { return plan_; }
   const Registry& registry() const { return *registry_; }
   /// Of outputs the rows that are compared.
@@ -73,9 +77,10 @@ class Study {
 
   Plan plan_;
   const Registry* registry_;
-  std::vector<MappedRecord> records_;
-  std::vector<Observer> observers_;  // by record, where predictions go in windows
-  Status unobserved_;                // why there are none
+  std::vector<MappedRecord> records_;  // outputs: the rows that are compared
+  std::vector<MappedRecord> given_;    // the same with all rows
+  std::vector<Observer> observers_;    // by record, where predictions go in windows
+  Status unobserved_;                  // why there are none
   std::vector<Doubt> doubts_;
   std::vector<Channel> channels_;
   Eigen::VectorXd measured_;

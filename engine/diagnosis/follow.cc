@@ -1,4 +1,4 @@
-#include "diagnosis/play.h"
+#include "diagnosis/follow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,12 +56,16 @@ std::optional<Follower> Fitted(const Study& study, const Hypothesis& hypothesis,
 }
 
 bool Twins(const Follower& a, const Follower& b) {
-  const Assumed &one = a.fit.hypothesis.effects[0], &other = b.fit.hypothesis.effects[0];
-  return one.place == other.place && std::abs(one.parameters[0] / other.parameters[0] - 1.0) < 2e-3;
+  const std::vector<Assumed>&one = a.fit.hypothesis.effects, &other = b.fit.hypothesis.effects;
+  return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](const Assumed& x, const Assumed& y) {
+    return x.effect == y.effect && x.place == y.place &&
+           std::equal(x.parameters.begin(), x.parameters.end(), y.parameters.begin(),
+                      [](double p, double q) { return p == q || std::abs(p / q - 1.0) < 2e-3; });
+  });
 }
 
-/// Every gap at every shaft.
-std::vector<Follower> TryAll(const Study& first, const Effect& play, double torque_Nm) {
+/// Every gap at every shaft, fitted to `first`.
+std::vector<Hypothesis> Gaps(const Study& first, const Effect& play, double torque_Nm) {
   std::vector<Follower> fitted;
   for (const Place& place : play.Places(first.plan())) {
     const Value* stiffness = first.plan().root.FindPath("plant.shaft." + place.name + ".stiffness_Nm_per_rad");
@@ -74,7 +78,9 @@ std::vector<Follower> TryAll(const Study& first, const Effect& play, double torq
     }
   }
   BestFirst(fitted);
-  return fitted;
+  std::vector<Hypothesis> gaps;
+  for (Follower& one : fitted) gaps.push_back(std::move(one.fit.hypothesis));
+  return gaps;
 }
 
 /// Who goes on: one of each gap, and no more than can be paid for.
@@ -106,32 +112,38 @@ bool Forgets(const Study& study, const Hypothesis& hypothesis) {
 
 }  // namespace
 
-std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
-  const Effect* play = study.registry().FindEffect("backlash");
-  if (play == nullptr || play->Places(study.plan()).empty() || PredictionWindow(study.plan())) return std::nullopt;
-  const double first = kFirst_s / std::max(study.records().front().end_s, kFirst_s);
-  const auto part = [&](double share) {
-    return Study(study.plan(), study.records(), study.registry(), share, study.decompositions());
-  };
-  std::vector<Follower> followers = TryAll(part(first), *play, MagnitudesOf(study).torque);
+double FirstShare(const std::vector<MappedRecord>& records) {
+  return kFirst_s / std::max(records.front().end_s, kFirst_s);
+}
+
+std::optional<Followed> Follow(const Study& study, double first, std::vector<Hypothesis> starts,
+                               const std::function<void(double)>& progress) {
   std::optional<Followed> found;
-  for (double share = first; !followers.empty(); share = std::min(1.0, kStride * share)) {
+  for (double share = first; !starts.empty(); share = std::min(1.0, kStride * share)) {
     progress(std::log(share / first) / std::log(1.0 / first));
-    const Study here = part(share);
-    std::vector<Follower> next;
-    for (const Follower& one : followers) {
-      if (std::optional<Follower> on = Fitted(here, one.fit.hypothesis, 5)) next.push_back(*std::move(on));
+    const Study here = study.Part(share);
+    std::vector<Follower> followers;
+    for (const Hypothesis& start : starts) {
+      if (std::optional<Follower> on = Fitted(here, start, 5)) followers.push_back(*std::move(on));
     }
-    BestFirst(next);
-    Thin(next);
-    followers = std::move(next);
+    BestFirst(followers);
+    Thin(followers);
     if (followers.empty() || followers.front().over > kAtFloor) break;
     found = Followed{followers.front().fit.hypothesis, share};
     if (share == 1.0) break;
+    starts.clear();
+    for (Follower& one : followers) starts.push_back(std::move(one.fit.hypothesis));
   }
   if (!found || found->share < 2.0 * first) return std::nullopt;
   if (found->share < 1.0 && !Forgets(study, found->hypothesis)) return std::nullopt;
   return found;
+}
+
+std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
+  const Effect* play = study.registry().FindEffect("backlash");
+  if (play == nullptr || play->Places(study.plan()).empty() || PredictionWindow(study.plan())) return std::nullopt;
+  const double first = FirstShare(study.records());
+  return Follow(study, first, Gaps(study.Part(first), *play, MagnitudesOf(study).torque), progress);
 }
 
 }  // namespace dynoproof::diagnosis

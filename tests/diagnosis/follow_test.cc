@@ -1,5 +1,5 @@
 // Play is followed from the beginning of a record, and nothing else is.
-#include "diagnosis/play.h"
+#include "diagnosis/follow.h"
 
 #include <gtest/gtest.h>
 

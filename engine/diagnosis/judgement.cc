@@ -1,0 +1,288 @@
+#include "diagnosis/judgement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "diagnosis/decide.h"
+#include "diagnosis/extend.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
+
+std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
+  if (!s.significant)
+    return fmt::format("gains too little over the nominal values alone (chi2 {:.0f}, {} of {} validation parts)",
+                       s.chi2_gain, s.blocks_better, kBlocks);
+  const double behind = fit.criterion - best.criterion;
+  if (behind <= 0.0) return "";
+  if (behind <= 10.0) return fmt::format("as good as the best within {:.1f} (-2 log evidence)", behind);
+  if (fit.chi2 <= best.chi2 + 10.0)
+    return fmt::format("no better than the best with more parameters (-2 log evidence {:.0f} behind)", behind);
+  return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
+}
+
+/// How far the optimum lies off for the solver's step, by parameter of all effects: laws that switch within a step are
+/// found to first order only, so half the step takes half of it away.
+Eigen::VectorXd SolverBias(const Study& study, const Fit& fit) {
+  const Eigen::Index parameters = fit.covariance.rows();
+  const Result<Eigen::VectorXd> finer = study.PredictPlan(Finer(study.PlanOf(fit.hypothesis)));
+  if (!finer.ok()) return Eigen::VectorXd::Zero(parameters);
+  const Eigen::VectorXd moved = WhitenerOf(study, fit)(*finer - fit.predicted);
+  return 2.0 * (fit.covariance * (fit.jacobian.transpose() * moved)).cwiseAbs();
+}
+
+}  // namespace
+
+Judgement::Judgement(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
+                     const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
+    : study_(study), training_(training), data_(data), holdout_(holdout), options_(options) {
+  result_.own_holdout = !holdout_.empty();
+  result_.counted = until;
+  if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
+}
+
+Status Judgement::Decide(const char* saved, const std::vector<Hypothesis>& suspects) {
+  Result<Found> found =
+      Search(study_, data_, training_,
+             {(std::filesystem::path(options_.out) / saved).string(), options_.resume, options_.progress, suspects});
+  if (!found.ok()) return found.failure();
+  found_ = *std::move(found);
+  result_.considered = std::move(found_.considered);
+  result_.simulations = found_.simulations;
+  Judge();
+  return {};
+}
+
+std::vector<Hypothesis> Judgement::Causes() const {
+  std::vector<Hypothesis> causes;
+  if (result_.verdict != Verdict::kEffectFound && result_.verdict != Verdict::kAmbiguous) return causes;
+  for (const std::size_t i : alike_) causes.push_back(found_.fits[i].hypothesis);
+  return causes;
+}
+
+Result<Diagnosis> Judgement::Report() {
+  if (Status failed = Conclude()) return *failed;
+  options_.progress("done", 1.0);
+  return std::move(result_);
+}
+
+void Judgement::Judge() {
+  Fit& null = found_.null;
+  std::vector<Fit>& fits = found_.fits;
+  const std::vector<Structure>& structure = found_.structure;
+  const Fitter fitter(study_, fits.empty() ? WhitenerOf(study_, null) : WhitenerOf(study_, fits.front()));
+  fitter.Weigh(null);
+  fitter.Derive(null);
+  const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
+  const double rows = fitter.whitener().rows();
+  const std::vector<std::string> strained = StrainedDoubts(null);
+  const double farthest = Farthest(study_, null);
+  std::vector<Fit> standing;
+  for (Fit& fit : fits) {
+    fitter.Weigh(fit);
+    fitter.Derive(fit);
+    result_.simulations += fit.parameters() + 1;
+    const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
+    const Standing s = Compare(study_, null, null_blocks, fit, blocks, rows, found_.candidates.size());
+    Considered& considered = result_.considered.emplace_back(ConsideredOf(fit));
+    considered.validation_nrmse =
+        TotalNrmse(study_, fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
+    considered.why_not = WhyNot(s, fit, fits.front());
+    bool within = false;  // a change no larger than the doubt about its number is none
+    bool beyond = false;  // and one that the nominal model cannot do without either, far outside the doubt, is one
+    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+      const std::optional<double> z = AsDoubt(study_.doubts()[i], fit);
+      if (!z) continue;
+      within = within || std::abs(*z) < kWithinDoubt;
+      const double without = null.hypothesis.z[i];
+      beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
+                          s.chi2_gain > 0.5 * without * without);
+    }
+    // So is one that spares the nominal model a value far outside its doubt: it stands beside what says that value.
+    beyond = beyond || (farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
+                        s.chi2_gain > 0.5 * farthest * farthest);
+    if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
+    if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
+    bool nothing = false;
+    for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(fit, e);
+    if (nothing) considered.why_not = "its size cannot be told from none";
+    if ((s.significant || beyond) && !within && !nothing) standing.push_back(fit);
+  }
+  fits = std::move(standing);
+  const bool rest = AnyFound(structure);
+  for (std::size_t c = 0; c < structure.size(); ++c)
+    result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
+  result_.white = std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
+  result_.at_noise_floor = !rest;
+  if (fits.empty()) {
+    result_.verdict = Verdict::kUnexplained;
+    if (rest) {
+      result_.reason =
+          "the residual follows the inputs, has a line or is too large for noise, and no candidate accounts for it";
+    } else if (!strained.empty()) {
+      result_.reason = fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
+                                   fmt::join(strained, ", "));
+    } else if (farthest >= kBeyondDoubt) {
+      result_.reason =
+          fmt::format("the data agree with the model only where a nominal value lies {:.1f} spreads off", farthest);
+    } else {
+      result_.verdict = Verdict::kNoEffect;
+      result_.reason = "the data agree with the model within the doubt about its nominal values";
+    }
+    return;
+  }
+  alike_ = AmbiguitySet(fits, found_.threshold);
+  // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
+  if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
+  if (rest) {
+    result_.verdict = Verdict::kUnexplained;
+    result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
+                                 found_.partial.empty() ? "" : "; ", found_.partial);
+  } else if (const double strain = Farthest(study_, fits.front()); strain > kWithinDoubt) {
+    result_.verdict = Verdict::kUnexplained;
+    result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
+                                 fits.front().Name(), strain);
+  } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
+    result_.verdict = Verdict::kUnexplained;
+    result_.reason = fmt::format("{} candidates account for the data alike", count);
+  } else {
+    result_.verdict = count > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
+    result_.reason = count > 1 ? "these data cannot tell the candidates apart"
+                               : "the residual is at the noise floor with it, and with nothing else";
+  }
+}
+
+std::vector<std::string> Judgement::StrainedDoubts(const Fit& null) const {
+  std::vector<std::string> strained;
+  for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+    const Doubt& doubt = study_.doubts()[i];
+    if (!doubt.start && doubt.effect.empty() && std::abs(null.hypothesis.z[i]) > kWithinDoubt)
+      strained.push_back("nominal_value@" + doubt.path);
+  }
+  return strained;
+}
+
+Status Judgement::Conclude() {
+  const Fit& null = found_.null;
+  const std::vector<Fit>& fits = found_.fits;
+  const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
+  const Fit& best = known ? fits.front() : null;
+  NoiseFloor(best);
+  const Result<Eigen::VectorXd> nominal = study_.Predict(study_.Nominal());
+  if (!nominal.ok()) return nominal.failure();
+  result_.where = FindWhere(study_, study_.measured() - *nominal, floor_);
+  for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+    if (best.hypothesis.z[i] == 0.0) continue;
+    const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
+    result_.refitted.push_back(
+        {study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_.doubts()[i].start});
+  }
+  if (known) ReportEffects(fits);
+  if (Status failed = MeasureGain(best)) return failed;
+  if (result_.verdict == Verdict::kNoEffect) {
+    for (const Screened& one : found_.screened) {
+      const Candidate& candidate = found_.candidates[one.candidate];
+      if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
+      result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
+                                         candidate.effect->info().parameters[candidate.strengths[0]].unit,
+                                         one.smallest});
+    }
+  }
+  if (!known) return {};
+  const Result<std::string> file = WriteExtended(study_, best, result_, options_);
+  if (!file.ok()) return file.failure();
+  result_.extended_scenario = *file;
+  return {};
+}
+
+void Judgement::ReportEffects(const std::vector<Fit>& fits) {
+  const Fit& best = fits.front();
+  const Eigen::VectorXd bias = SolverBias(study_, best);
+  double evidence = 0.0;
+  for (const Fit& fit : fits) evidence += std::exp(-0.5 * (fit.criterion - best.criterion));
+  Eigen::Index k = 0;
+  for (const Assumed& assumed : best.hypothesis.effects) {
+    FoundEffect& found = result_.effects.emplace_back();
+    found.name = assumed.effect->info().name;
+    found.at = assumed.place.ToString();
+    found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
+    for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
+      const EffectParameter& p = assumed.effect->info().parameters[i];
+      const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k))) + bias[k];
+      found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
+                                  std::max(p.lower, assumed.parameters[i] - half),
+                                  std::min(p.upper, assumed.parameters[i] + half)});
+    }
+  }
+  if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;
+  std::vector<std::string> names;
+  std::vector<Assumed> alike;
+  for (const std::size_t i : alike_) {
+    names.push_back(fits[i].Name());
+    alike.push_back(fits[i].hypothesis.effects.back());
+  }
+  names.insert(names.end(), also_.begin(), also_.end());
+  result_.ambiguous_with.push_back(names);
+  result_.experiment_text = SeparatingText(study_, alike);
+  const Result<std::string> file = WriteSeparating(study_, alike, options_);
+  if (file.ok()) result_.experiment_scenario = *file;
+}
+
+void Judgement::NoiseFloor(const Fit& best) {
+  const Eigen::VectorXd residual = study_.measured() - best.predicted;
+  double sum = 0.0;
+  for (const Channel& c : study_.channels()) {
+    const auto rows = residual.segment(c.begin, c.count);
+    const double rms = RmsOf(rows);
+    const double white = HighFrequencyFloor(rows);
+    const double floor = result_.at_noise_floor ? rms : std::min(white, rms);
+    floor_.push_back(std::max(floor, 1e-9 * std::max(c.spread, c.nominal)));
+    result_.floor_by_signal[c.name] = floor_.back();
+    result_.residual_by_signal[c.name] = rms;
+    sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
+  }
+  result_.noise_floor = std::sqrt(sum / static_cast<double>(study_.channels().size()));
+}
+
+Status Judgement::MeasureGain(const Fit& best) {
+  options_.progress("hold-out", 0.97);
+  // Before: the scenario as written, but from the record's own start.
+  Hypothesis start = study_.Nominal();
+  for (std::size_t i = 0; i < start.z.size(); ++i) {
+    if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
+  }
+  const Result<Eigen::VectorXd> before = study_.Predict(start), after = study_.Predict(best.hypothesis);
+  if (!before.ok()) return before.failure();
+  if (!after.ok()) return after.failure();
+  result_.train = GainsOf(study_, *before, *after, 0.0);
+  const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), result_.counted,
+                   study_.decompositions());
+  Hypothesis chosen = best.hypothesis;
+  if (result_.own_holdout) {
+    for (std::size_t i = 0; i < chosen.z.size(); ++i) {
+      if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
+    }
+  }
+  const Result<Eigen::VectorXd> b = full.Predict(start), a = full.Predict(chosen);
+  if (!b.ok()) return b.failure();
+  if (!a.ok()) return a.failure();
+  result_.simulations += 4;
+  result_.holdout = GainsOf(full, *b, *a, result_.own_holdout ? 0.0 : kTrainingShare);
+  double sum_before = 0.0, sum_after = 0.0;
+  for (const auto& [name, gain] : result_.holdout) {
+    sum_before += gain.before * gain.before;
+    sum_after += gain.after * gain.after;
+  }
+  if ((result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) && sum_after >= sum_before) {
+    result_.verdict = Verdict::kUnexplained;
+    result_.reason = "what gains on the training data does not gain on the hold-out";
+  }
+  return {};
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,57 @@
+// What one part of the records says: who accounts for it, whether that is enough for a cause to be named, and what the
+// cause gains on the hold-out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnose.h"
+#include "diagnosis/search.h"
+
+namespace dynoproof::diagnosis {
+
+inline constexpr double kTrainingShare = 0.7;  // of records without a hold-out of their own
+
+class Judgement {
+ public:
+  /// `study`: made of `data` cut at `training`, out of a share `until` of the records that is looked at.
+  Judgement(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
+            const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options);
+
+  /// Who accounts for the data; `suspects` are candidates from elsewhere. `saved`: file of the fits in the output
+  /// folder. Fails where the nominal run breaks.
+  Status Decide(const char* saved, const std::vector<Hypothesis>& suspects = {});
+
+  bool LeavesStructure() const { return result_.verdict == Verdict::kUnexplained && !result_.at_noise_floor; }
+  /// Those that account for the data, best first; none: nothing does, or nothing has to.
+  std::vector<Hypothesis> Causes() const;
+  void Note(std::string note) { result_.notes.push_back(std::move(note)); }
+
+  /// The verdict with what it gains, and the files. Last call.
+  Result<Diagnosis> Report();
+
+ private:
+  void Judge();
+  /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.
+  std::vector<std::string> StrainedDoubts(const Fit& null) const;
+  Status Conclude();
+  void ReportEffects(const std::vector<Fit>& fits);
+  /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
+  /// and nothing but noise is left, the residual itself.
+  void NoiseFloor(const Fit& best);
+  /// Opened once, after the choice.
+  Status MeasureGain(const Fit& best);
+
+  const Study& study_;  // all that is for training
+  const double training_;
+  const std::vector<MappedRecord>& data_;
+  const std::vector<MappedRecord>& holdout_;
+  const DiagnoseOptions& options_;
+  Found found_;
+  Diagnosis result_;
+  std::vector<std::size_t> alike_;
+  std::vector<std::string> also_;  // nominal values that account for the data alike
+  std::vector<double> floor_;
+};
+
+}  // namespace dynoproof::diagnosis
