@@ -15,8 +15,8 @@ constexpr double kInertiaSpread = 0.01, kStiffnessSpread = 0.01, kDampingSpread 
 constexpr double kStartSpeed_rad_per_s = 100.0;
 
 // Pipes are measured on drawings, membranes and springs have data sheets. The start follows the record's first samples
-// (StartFromRecord): what is left is noise and the error of a pressure sensor, 0.1 % of 5 bar.
-constexpr double kVolumeSpread = 0.01, kPreloadSpread = 0.02, kStartPressure_Pa = 500.0;
+// (StartFromRecord), and with them what a sensor makes of them: a gain that is to be found, a tenth of 5 bar.
+constexpr double kVolumeSpread = 0.01, kPreloadSpread = 0.02, kStartPressure_Pa = 5e4;
 
 // Spring and damper of a moved body stand for whatever carries it: fitted values, no data sheet's. assumed: any size is
 // as good as another beside an effect that takes its share.
