@@ -36,9 +36,8 @@ void Interrupt(int) {
 int Diagnose(const DiagnoseArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  const std::optional<MeasuredCase> measured =
-      LoadMeasured(arguments.scenario, arguments.data, arguments.maps, arguments.holdout, arguments.overrides,
-                   *registry, diagnostics);
+  std::optional<MeasuredCase> measured = LoadMeasured(arguments.scenario, arguments.data, arguments.maps,
+                                                      arguments.holdout, arguments.overrides, *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
@@ -63,6 +62,11 @@ int Diagnose(const DiagnoseArguments& arguments) {
     }
   }
   if (Report(diagnostics) != kGood) return kUsage;
+  std::vector<std::string> shortened;
+  for (auto* records : {&measured->data, &measured->holdout}) {
+    if (std::string note = diagnosis::KeepTo(diagnosis::kMostSamples, *records); !note.empty())
+      shortened.push_back(std::move(note));
+  }
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
   diagnosis::DiagnoseOptions options;
@@ -77,7 +81,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
     const std::lock_guard<std::mutex> lock(screen);
     ShowProgress(what, fraction);
   };
-  const Result<diagnosis::Diagnosis> result =
+  Result<diagnosis::Diagnosis> result =
       diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
@@ -86,6 +90,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
     Complain(result.failure().ToString() + "\n");
     return result.failure().exit_code;
   }
+  result->notes.insert(result->notes.end(), shortened.begin(), shortened.end());
   Print(arguments.common, diagnosis::ToTable(*result));
   for (const std::string& note : result->notes) Complain(note + "\n");
   const bool open =

@@ -102,6 +102,18 @@ std::string ToString(Verdict verdict) {
   return "unexplained";
 }
 
+std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
+  std::size_t samples = 0;
+  for (const MappedRecord& record : records) {
+    for (const auto& [name, series] : record.outputs) samples += series.values->size();
+  }
+  if (samples <= most) return "";
+  const double share = static_cast<double>(most) / static_cast<double>(samples);
+  for (MappedRecord& record : records) CutRecord(record, share);
+  return fmt::format("only the first {:.3g} % of the records are looked at: of {} samples no more than {}",
+                     100.0 * share, samples, most);
+}
+
 Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {

@@ -70,6 +70,12 @@ struct DiagnoseOptions {
   std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
 };
 
+/// Samples of all outputs of all records together that a diagnosis looks at: 450 bytes each stay in memory, and 200 s
+/// of two signals at 10 kHz tell a line's behaviour.
+inline constexpr std::size_t kMostSamples = 4'000'000;
+/// Cuts records that hold more, all to the same share; what to say about it, empty if there is nothing.
+std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records);
+
 /// `plan`: nominal, its own effects applied. Fails where the nominal run breaks or a file cannot be written.
 Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,

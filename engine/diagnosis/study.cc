@@ -20,13 +20,6 @@ Series Cut(const Series& series, double end_s) {
           std::make_shared<const std::vector<double>>(series.values->begin(), series.values->begin() + rows)};
 }
 
-void CutRecord(MappedRecord& record, double until) {
-  record.end_s *= until;
-  for (auto* signals : {&record.inputs, &record.outputs}) {
-    for (auto& [name, series] : *signals) series = Cut(series, record.end_s);
-  }
-}
-
 /// A plan driven by a record.
 Result<std::unique_ptr<Prepared>> Drive(const Plan& plan, const MappedRecord& record, const Registry& registry) {
   PrepareOptions options;
@@ -54,6 +47,13 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 }
 
 }  // namespace
+
+void CutRecord(MappedRecord& record, double until) {
+  record.end_s *= until;
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    for (auto& [name, series] : *signals) series = Cut(series, record.end_s);
+  }
+}
 
 Plan Finer(Plan plan) {
   const Value* substeps = plan.root.FindPath("run.realtime.substeps");

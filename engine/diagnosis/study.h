@@ -39,6 +39,9 @@ struct Channel {
   Eigen::Index begin = 0, count = 0;
 };
 
+/// Keeps the first share `until` of a record.
+void CutRecord(MappedRecord& record, double until);
+
 /// The plan with half the solver's step.
 Plan Finer(Plan plan);
 
