@@ -24,11 +24,11 @@ struct Task {
   const std::vector<MappedRecord>& holdout;
   const Registry& registry;
   const DiagnoseOptions& options;
+  std::shared_ptr<mechanics::Decompositions> known =
+      std::make_shared<mechanics::Decompositions>();  // of all its studies
 
   double training() const { return holdout.empty() ? kTrainingShare : 1.0; }
-  Study Part(const Plan& of, double until, std::shared_ptr<mechanics::Decompositions> known) const {
-    return Study(of, data, registry, training() * until, std::move(known));
-  }
+  Study Part(const Plan& of, double until) const { return Study(of, data, registry, training() * until, known); }
   Judgement Of(const Study& study, double until) const {
     return Judgement(study, training() * until, until, data, holdout, options);
   }
@@ -39,7 +39,7 @@ std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study&
   // Of motion that is known to be chaotic no more is predicted than what was followed.
   const bool all = followed.share == 1.0 && !PredictionWindow(task.plan);
   const double until = all ? 1.0 : task.training() * followed.share;
-  const Study beginning = task.Part(study.plan(), until, study.decompositions());
+  const Study beginning = task.Part(study.plan(), until);
   Judgement first = task.Of(beginning, until);
   if (first.Decide("diagnose_state_beginning.json", {followed.hypothesis})) return std::nullopt;
   const std::vector<Hypothesis> causes = first.Causes();
@@ -60,16 +60,16 @@ std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study&
 std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
   Plan free = task.plan;
   free.root.Erase("prediction_window_s");
-  const Study study = task.Part(free, 1.0, nullptr);
+  const Study study = task.Part(free, 1.0);
   DiagnoseOptions said = task.options;
   said.progress = [&](const std::string& what, double done) {
     task.options.progress("the beginning: " + what, kOpening * done);
   };
-  const Task beginning{task.plan, task.data, task.holdout, task.registry, said};
+  const Task beginning{task.plan, task.data, task.holdout, task.registry, said, task.known};
   std::vector<Hypothesis> causes;
   double from = 0.0;
   for (double share = FirstShare(study.records()); share < 1.0; share *= kLonger) {
-    const Study part = task.Part(free, share, study.decompositions());
+    const Study part = task.Part(free, share);
     Judgement opening = beginning.Of(part, share);
     if (opening.Decide("diagnose_state_opening.json") || opening.LeavesStructure()) break;
     causes = opening.Causes();
@@ -121,7 +121,7 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   if (PredictionWindow(plan)) {
     if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
   }
-  const Study study = task.Part(plan, 1.0, nullptr);
+  const Study study = task.Part(plan, 1.0);
   Judgement whole = task.Of(study, 1.0);
   if (Status failed = whole.Decide("diagnose_state.json")) return *failed;
   if (!whole.LeavesStructure()) return whole.Report();
