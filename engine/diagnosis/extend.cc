@@ -54,8 +54,7 @@ double LimitOf(const Channel& channel, const Diagnosis& diagnosis) {
 /// How long a chaotic motion is simulated well enough for the checks below: as long as a finer step of the solver is no
 /// more than a quarter of their limit away, which leaves the rest to the other solver. Whole milliseconds [s].
 double SolvedFor(const Study& study, const Fit& fit, const Diagnosis& diagnosis) {
-  const Plan plan = study.PlanOf(fit.hypothesis);
-  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(Finer(plan));
+  const Result<Eigen::VectorXd> coarse = study.Predict(fit.hypothesis), fine = study.PredictFiner(fit.hypothesis);
   double solved_s = study.records().front().end_s;
   if (!coarse.ok() || !fine.ok()) return solved_s;
   for (const Channel& c : study.channels()) {

@@ -97,8 +97,7 @@ void Thin(std::vector<Follower>& followers) {
 
 /// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well.
 bool Forgets(const Study& study, const Hypothesis& hypothesis) {
-  const Plan plan = study.PlanOf(hypothesis);
-  const Result<Eigen::VectorXd> coarse = study.PredictPlan(plan), fine = study.PredictPlan(Finer(plan));
+  const Result<Eigen::VectorXd> coarse = study.Predict(hypothesis), fine = study.PredictFiner(hypothesis);
   if (!coarse.ok() || !fine.ok()) return false;
   constexpr double kComparable = 0.3;
   const Eigen::VectorXd left = study.measured() - *coarse, moved = *fine - *coarse;

@@ -30,7 +30,7 @@ std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
 /// found to first order only, so half the step takes half of it away.
 Eigen::VectorXd SolverBias(const Study& study, const Fit& fit) {
   const Eigen::Index parameters = fit.covariance.rows();
-  const Result<Eigen::VectorXd> finer = study.PredictPlan(Finer(study.PlanOf(fit.hypothesis)));
+  const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
   if (!finer.ok()) return Eigen::VectorXd::Zero(parameters);
   const Eigen::VectorXd moved = WhitenerOf(study, fit)(*finer - fit.predicted);
   return 2.0 * (fit.covariance * (fit.jacobian.transpose() * moved)).cwiseAbs();

@@ -55,13 +55,6 @@ void CutRecord(MappedRecord& record, double until) {
   }
 }
 
-Plan Finer(Plan plan) {
-  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
-  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
-  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
-  return plan;
-}
-
 Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until,
              std::shared_ptr<mechanics::Decompositions> known)
     : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), known_(std::move(known)) {
@@ -122,6 +115,14 @@ Plan Study::PlanOf(const Hypothesis& hypothesis) const {
 }
 
 Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }
+
+Result<Eigen::VectorXd> Study::PredictFiner(const Hypothesis& hypothesis) const {
+  Plan plan = PlanOf(hypothesis);
+  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
+  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
+  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
+  return PredictPlan(plan);
+}
 
 Result<Eigen::VectorXd> Study::PredictPlan(const Plan& plan) const {
   if (unobserved_) return *unobserved_;

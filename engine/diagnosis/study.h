@@ -42,9 +42,6 @@ struct Channel {
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
-/// The plan with half the solver's step.
-Plan Finer(Plan plan);
-
 class Study {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.
@@ -73,6 +70,8 @@ class Study {
   /// prediction_window_s, whose first is then no part of the vector. Fails where a run breaks.
   Result<Eigen::VectorXd> Predict(const Hypothesis& hypothesis) const;
   Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
+  /// Predict() with half the solver's step.
+  Result<Eigen::VectorXd> PredictFiner(const Hypothesis& hypothesis) const;
   Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
 
  private:
