@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -16,23 +16,22 @@
 #include "sim/solver.h"
 #include "tests/support/build.h"
 #include "tests/support/run_plan.h"
+#include "tests/support/temp_dir.h"
 
 namespace dynoproof {
 namespace {
 
 std::vector<double> AskHarness(const std::vector<double>& numbers, const char* mode = "") {
-  const std::string in = ::testing::TempDir() + "core_in.bin", out = ::testing::TempDir() + "core_out.bin";
+  const test::TempDir dir;
+  const std::string in = dir / "in.bin", out = dir / "out.bin";
   std::ofstream(in, std::ios::binary)
       .write(reinterpret_cast<const char*>(numbers.data()),
              static_cast<std::streamsize>(numbers.size() * sizeof(double)));
   const std::string command = std::string(DYNOPROOF_CORE_HARNESS) + " " + mode + " < " + in + " > " + out;
   EXPECT_EQ(std::system(command.c_str()), 0);
-  std::ifstream file(out, std::ios::binary | std::ios::ate);
-  std::vector<double> answer(static_cast<std::size_t>(file.tellg()) / sizeof(double));
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(answer.data()), static_cast<std::streamsize>(answer.size() * sizeof(double)));
-  std::remove(in.c_str());
-  std::remove(out.c_str());
+  const std::string bytes = test::ReadBytes(out);
+  std::vector<double> answer(bytes.size() / sizeof(double));
+  std::memcpy(answer.data(), bytes.data(), answer.size() * sizeof(double));
   return answer;
 }
 
