@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnosis/contest.h"
 #include "diagnosis/decide.h"
+#include "diagnosis/follow.h"
 #include "diagnosis/gain.h"
 #include "diagnosis/resume.h"
 
@@ -55,7 +57,16 @@ class Searching {
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
     found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
-    if (fits.empty() && AnyFound(StructureOf(null))) {
+    std::vector<Structure> structure = StructureOf(null);
+    const bool lost = fits.empty() && AnyFound(structure);
+    const bool slips = options_.suspects.empty() &&
+                       (lost || (!fits.empty() && IsDryFriction(*fits.front().hypothesis.effects.back().effect)));
+    if (slips) {
+      const Result<bool> explained = FromTheBeginning(std::nullopt, fits, null, structure);
+      if (!explained.ok()) return explained.failure();
+      if (*explained) return Complete(std::move(null), std::move(fits), std::move(structure));
+    }
+    if (lost) {
       // Nobody was seen beside a line that rings at the wrong frequencies: once more beside the one that was fitted.
       Fit fitted = null;
       fitted.doubts.z0 = fitted.hypothesis.z;
@@ -74,8 +85,16 @@ class Searching {
     if (!fits.empty() && contest_.Suggest(Fitter(*study_, WhitenerOf(*study_, fits.front())), null, fits))
       contest_.Decide(EntrantsOf(screened_), fits, null);
     Fit rough = fits.empty() ? null : fits.front();
-    std::vector<Structure> structure;
     if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
+    if (!slips && options_.suspects.empty()) {
+      const Assumed* best = fits.empty() ? nullptr : &fits.front().hypothesis.effects.back();
+      const bool rest = AnyFound(structure);
+      if (rest || (best != nullptr && FallsOrDiffers(*best->effect))) {
+        const Result<bool> explained =
+            FromTheBeginning(rest ? std::nullopt : std::optional(best->place), fits, null, structure);
+        if (!explained.ok()) return explained.failure();
+      }
+    }
     if (AnyFound(structure)) {
       // Before an effect is called for, or a second one, the machine gets the time it needs.
       Fit& best = fits.empty() ? null : fits.front();
@@ -88,6 +107,11 @@ class Searching {
     if (!fits.empty() && AnyFound(structure)) {
       if (Status failed = TryPairs(fits, null, rough, structure)) return *failed;
     }
+    return Complete(std::move(null), std::move(fits), std::move(structure));
+  }
+
+ private:
+  Found Complete(Fit null, std::vector<Fit> fits, std::vector<Structure> structure) {
     found_.null = std::move(null);
     found_.fits = std::move(fits);
     found_.structure = std::move(structure);
@@ -95,7 +119,6 @@ class Searching {
     return std::move(found_);
   }
 
- private:
   /// One substep a sample: what a nonlinear law costs falls by four, and a search does not need the last digits.
   static Plan Rough(Plan plan) {
     plan.root["run"]["realtime"]["substeps"] = Value(1);
@@ -262,6 +285,43 @@ class Searching {
       if (fit.criterion < single.criterion) single = std::move(fit);
     }
     return single;
+  }
+
+  /// Dry friction that sticks and slips is lost by a search over the whole record, and with one substep a sample: it is
+  /// followed from the beginning (at `place`, or wherever), and has to stand against who was found so far. Whether the
+  /// best of them explains the records; only then anything is changed.
+  Result<bool> FromTheBeginning(const std::optional<Place>& place, std::vector<Fit>& fits, Fit& null,
+                                std::vector<Structure>& structure) {
+    const Study fine = whole_.Part(PartShare(whole_));
+    const std::optional<Followed> followed = FollowFriction(
+        fine, place, [&](double done) { Step("following friction from the beginning", 0.5 + 0.1 * done); });
+    if (!followed || followed->share < 1.0) return false;
+    Fit suspect = FitAt(fine, followed->hypothesis), nominal = FitAt(fine, null.hypothesis);
+    if (!suspect.ok() || !nominal.ok()) return false;
+    std::vector<Fit> rivals;
+    for (const Fit& fit : fits) {
+      if (fit.Name() == suspect.Name()) continue;
+      rivals.push_back(FitAt(fine, fit.hypothesis));
+      if (!rivals.back().ok()) rivals.pop_back();
+    }
+    rivals.push_back(std::move(suspect));
+    Sort(Fitter(fine, WhitenerOf(fine, rivals.back())), rivals);
+    Contest contest(fine, saved_, options_.progress);
+    contest.Decide(EntrantsOf(found_.screened), rivals, nominal);
+    simulations_ += contest.simulations();
+    std::vector<Structure> left;
+    const Study* before = std::exchange(study_, &fine);
+    const std::vector<Considered> considered = found_.considered;
+    if (Status failed = ToTheWhole(nominal, rivals, left)) return *failed;
+    if (rivals.empty() || AnyFound(left)) {
+      study_ = before;
+      found_.considered = considered;
+      return false;
+    }
+    fits = std::move(rivals);
+    null = std::move(nominal);
+    structure = std::move(left);
+    return true;
   }
 
   /// `rough`: the best single effect where the search takes place.

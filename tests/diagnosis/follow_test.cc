@@ -1,4 +1,4 @@
-// Play is followed from the beginning of a record, and nothing else is.
+// Play and dry friction are followed from the beginning of a record, and nothing else is.
 #include "diagnosis/follow.h"
 
 #include <gtest/gtest.h>
@@ -14,17 +14,16 @@ namespace {
 
 constexpr double kNoise = 0.005;  // of each signal
 constexpr double kGap_rad = 1.1e-5;
+constexpr std::size_t kRows = 5001;
 
 /// Half a second of a line that no engine code simulated, its values a little off, with noise.
-class SlowPlay : public testing::Test {
+class Hidden : public testing::Test {
  protected:
-  SlowPlay() { RegisterBuiltIns(registry_); }
+  Hidden() { RegisterBuiltIns(registry_); }
 
-  Study Measured(const blind::IndependentLine& line) {
+  Study Measured(const blind::IndependentLine& line, std::vector<double> torque = RandomTorque(kRows)) {
     Diagnostics diagnostics;
     const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-    constexpr std::size_t kRows = 5001;
-    std::vector<double> torque = RandomTorque(kRows);
     const blind::IndependentLine::Output output = line.Run(torque);
     MappedRecord record;
     const auto time = Shared(Times(kRows));
@@ -37,6 +36,9 @@ class SlowPlay : public testing::Test {
 
   Registry registry_;
 };
+
+using SlowPlay = Hidden;
+using SlowFriction = Hidden;
 
 blind::IndependentLine SlightlyOff() {
   blind::IndependentLine line;
@@ -64,6 +66,31 @@ TEST_F(SlowPlay, IsNotSeenInASofterShaft) {
   blind::IndependentLine line = SlightlyOff();
   line.stiffness[1] *= 0.8;
   EXPECT_FALSE(FollowPlay(Measured(line), [](double) {}));
+}
+
+TEST_F(SlowFriction, IsFollowedFromTheFirstSlipsToTheEnd) {
+  constexpr double kSliding_Nm = 40.0, kAtRest_Nm = 90.0, kFalls_rad_per_s = 0.5;
+  blind::IndependentLine line = SlightlyOff();
+  // It creeps where it should stick: by 1e-4 rad/s, a ten thousandth of the speeds there.
+  line.load[2] = [](double w) {
+    const double falling = (kAtRest_Nm - kSliding_Nm) * std::exp(-std::pow(w / kFalls_rad_per_s, 2));
+    return -(kSliding_Nm + falling) * std::tanh(w / 1e-4);
+  };
+  const std::optional<Followed> followed =
+      FollowFriction(Measured(line, blind::IndependentTorque(kRows, 7)), std::nullopt, [](double) {});
+  ASSERT_TRUE(followed);
+  const Assumed& friction = followed->hypothesis.effects.at(0);
+  EXPECT_EQ(friction.ToString(), "stribeck_friction@inertia:I3");
+  EXPECT_EQ(followed->share, 1.0);
+  EXPECT_NEAR(friction.parameters.at(0), kSliding_Nm, 0.02 * kSliding_Nm);
+  EXPECT_NEAR(friction.parameters.at(1), kAtRest_Nm, 0.02 * kAtRest_Nm);
+  EXPECT_NEAR(friction.parameters.at(2), kFalls_rad_per_s, 0.05 * kFalls_rad_per_s);
+}
+
+TEST_F(SlowFriction, IsNotSeenInASofterShaft) {
+  blind::IndependentLine line = SlightlyOff();
+  line.stiffness[1] *= 0.8;
+  EXPECT_FALSE(FollowFriction(Measured(line), std::nullopt, [](double) {}));
 }
 
 }  // namespace
