@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "diagnosis/follow.h"
+#include "diagnosis/follow_play.h"
 #include "diagnosis/judgement.h"
 
 namespace dynoproof::diagnosis {

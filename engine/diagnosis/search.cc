@@ -8,7 +8,7 @@
 
 #include "diagnosis/contest.h"
 #include "diagnosis/decide.h"
-#include "diagnosis/follow.h"
+#include "diagnosis/follow_friction.h"
 #include "diagnosis/gain.h"
 #include "diagnosis/resume.h"
 

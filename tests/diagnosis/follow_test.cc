@@ -1,10 +1,10 @@
 // Play and dry friction are followed from the beginning of a record, and nothing else is.
-#include "diagnosis/follow.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "diagnosis/follow_friction.h"
+#include "diagnosis/follow_play.h"
 #include "scenario/load.h"
 #include "tests/blind/independent_line.h"
 #include "tests/diagnosis/made_record.h"

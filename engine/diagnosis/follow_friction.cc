@@ -1,0 +1,107 @@
+#include "diagnosis/follow_friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/noise.h"
+#include "score/series.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr double kFirst_s = 0.05;        // as long as a line takes to be torn loose a few times ...
+constexpr double kFirstSamples = 200.0;  // ... and enough to tell four numbers
+constexpr std::size_t kTried = 3;        // places, and laws at each, that are fitted fully at a time
+
+/// When an output of the first record begins to move [s]: before that nothing can be told.
+double MotionBegins(const MappedRecord& record) {
+  constexpr double kOverFloor = 6.0, kOfSpread = 0.1;
+  double begins_s = record.end_s;
+  for (const auto& [name, output] : record.outputs) {
+    const Eigen::Map<const Eigen::VectorXd> rows(output.values->data(),
+                                                 static_cast<Eigen::Index>(output.values->size()));
+    const double enough =
+        std::min(kOverFloor * HighFrequencyFloor(rows), kOfSpread * score::StandardDeviation(*output.values));
+    for (std::size_t k = 0; k < output.values->size() && (*output.time)[k] < begins_s; ++k) {
+      if (std::abs((*output.values)[k] - output.values->front()) > enough) begins_s = (*output.time)[k];
+    }
+  }
+  return begins_s < 0.5 * record.end_s ? begins_s : 0.0;
+}
+
+/// Where something rubs, and how hard: for want of a law that of Coulomb, of every size.
+std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& places, double torque_Nm) {
+  std::vector<Assumed> tried;
+  for (const Place& place : places) {
+    for (double share = 0.02; share < 2.0; share *= 3.0)
+      tried.push_back({first.registry().FindEffect("coulomb_friction"), place, {share * torque_Nm}});
+  }
+  std::vector<Hypothesis> best;
+  for (Follower& one : FittedBeside(first, first.Nominal(), tried)) {
+    const Place& place = one.fit.hypothesis.effects.front().place;
+    const bool known = std::any_of(best.begin(), best.end(),
+                                   [&](const Hypothesis& other) { return other.effects.front().place == place; });
+    if (!known && best.size() < kTried) best.push_back(std::move(one.fit.hypothesis));
+  }
+  return best;
+}
+
+/// The laws of friction that break away at the torque at which the leader does, at its place: those that explain most.
+std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, double speed_rad_per_s) {
+  const Assumed& known = leader.effects.front();
+  // Of Stribeck's numbers the second is at rest; of the others the first.
+  const double torque = known.parameters[known.effect->info().name == "stribeck_friction" ? 1 : 0];
+  std::vector<Assumed> tried;
+  const auto add = [&](const char* name, std::vector<double> parameters) {
+    const Effect* effect = here.registry().FindEffect(name);
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      parameters[i] = std::clamp(parameters[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);
+    tried.push_back({effect, known.place, std::move(parameters)});
+  };
+  // In a resonance inertias go much faster than what is measured, and break away far below that.
+  for (const double share : {0.01, 0.05, 0.2, 1.0, 5.0}) {
+    const double speed = share * speed_rad_per_s;
+    add("stribeck_friction", {0.6 * torque, torque, speed});
+    add("asymmetric_friction", {torque, torque, 0.1 * torque / speed, 0.1 * torque / speed});
+    add("dahl_friction", {torque, 3000.0 * torque / speed});
+  }
+  std::vector<Hypothesis> laws;
+  for (Follower& one : FittedBeside(here, leader, tried)) {
+    if (laws.size() < kTried) laws.push_back(std::move(one.fit.hypothesis));
+  }
+  return laws;
+}
+
+}  // namespace
+
+std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
+                                       const std::function<void(double)>& progress) {
+  const Effect* friction = study.registry().FindEffect("coulomb_friction");
+  std::vector<Place> places = friction != nullptr ? friction->Places(study.plan()) : std::vector<Place>();
+  if (place) std::erase_if(places, [&](const Place& other) { return !(other == *place); });
+  const double end_s = study.records().front().end_s;
+  const double first_s =
+      MotionBegins(study.records().front()) + std::max(kFirst_s, kFirstSamples * study.channels().front().step_s);
+  if (places.empty() || PredictionWindow(study.plan()) || end_s < 2.0 * first_s) return std::nullopt;
+  const Magnitudes seen = MagnitudesOf(study);
+  const Study first = study.Part(first_s / end_s);
+  std::vector<Hypothesis> starts;
+  for (const Hypothesis& somewhere : Rubbing(first, places, seen.torque)) {
+    for (Hypothesis& law : OtherLaws(first, somewhere, seen.speed)) starts.push_back(std::move(law));
+  }
+  return Follow(study, first_s / end_s, std::move(starts), progress,
+                [&](const Study& here, const Hypothesis& leader) { return OtherLaws(here, leader, seen.speed); });
+}
+
+bool IsDryFriction(const Effect& effect) {
+  const std::string& name = effect.info().name;
+  return name == "coulomb_friction" || name == "dahl_friction" || FallsOrDiffers(effect);
+}
+
+bool FallsOrDiffers(const Effect& friction) {
+  return friction.info().name == "stribeck_friction" || friction.info().name == "asymmetric_friction";
+}
+
+}  // namespace dynoproof::diagnosis

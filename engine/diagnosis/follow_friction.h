@@ -1,0 +1,17 @@
+// Dry friction, from the first slips on.
+#pragma once
+
+#include "diagnosis/follow.h"
+
+namespace dynoproof::diagnosis {
+
+/// The laws of dry friction by Follow(), at `place` or, without one, wherever something may rub.
+std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
+                                       const std::function<void(double)>& progress);
+
+/// Whether an effect is such a law.
+bool IsDryFriction(const Effect& effect);
+/// Whether it is one of those that fall with speed or differ with direction.
+bool FallsOrDiffers(const Effect& friction);
+
+}  // namespace dynoproof::diagnosis
