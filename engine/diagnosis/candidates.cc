@@ -198,4 +198,13 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
   return candidates;
 }
 
+bool IsDryFriction(const Effect& effect) {
+  const std::string& name = effect.info().name;
+  return name == "coulomb_friction" || name == "dahl_friction" || FallsOrDiffers(effect);
+}
+
+bool FallsOrDiffers(const Effect& friction) {
+  return friction.info().name == "stribeck_friction" || friction.info().name == "asymmetric_friction";
+}
+
 }  // namespace dynoproof::diagnosis

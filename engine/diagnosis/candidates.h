@@ -34,4 +34,9 @@ Magnitudes MagnitudesOf(const Study& study);
 
 std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes);
 
+/// Whether an effect is a law of dry friction.
+bool IsDryFriction(const Effect& effect);
+/// Whether it is one of those that fall with speed or differ with direction.
+bool FallsOrDiffers(const Effect& friction);
+
 }  // namespace dynoproof::diagnosis

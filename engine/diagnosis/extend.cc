@@ -116,6 +116,11 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
                                           Number(SolvedFor(study, fit, diagnosis))));
     tables.insert("run");
   }
+  if (study.NeedsFinerSteps(fit.hypothesis)) {
+    lines.emplace_back("run.realtime", fmt::format("substeps = {}  # friction that sticks needs finer ones\n",
+                                                   SubstepsOf(study.PlanOf(fit.hypothesis))));
+    tables.insert("run.realtime");
+  }
   // What --set changed belongs to the nominal model, which the file alone does not have.
   for (const std::string& change : options.overrides) {
     const std::string path = change.substr(0, change.find('=')), key = path.substr(path.rfind('.') + 1);

@@ -8,6 +8,7 @@
 
 #include "diagnosis/coordinates.h"
 #include "diagnosis/parallel.h"
+#include "diagnosis/slope.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -319,29 +320,29 @@ void Fitter::Derive(Fit& fit) const {
   const auto m = static_cast<Eigen::Index>(fit.doubts.free.size());
   const std::vector<double> x = coordinates.Start();
   fit.jacobian.resize(study_.measured().size(), p + m);
-  std::vector<Eigen::VectorXd> points(static_cast<std::size_t>(p) + 1);
-  std::vector<double> steps(static_cast<std::size_t>(p));
-  ParallelFor(points.size(), 0, [&](std::size_t k) {
-    std::vector<double> at = x;
-    if (k > 0) {
-      steps[k - 1] = coordinates.Difference(k - 1, at[k - 1]);
-      at[k - 1] += steps[k - 1];
-    }
-    const Result<Eigen::VectorXd> predicted = study_.Predict({fit.hypothesis.z, coordinates.At(at.data())});
-    if (predicted.ok()) points[k] = whitener_(*predicted);
-  });
-  fit.simulations += static_cast<int>(points.size());
   std::vector<double> values;
   for (const Assumed& assumed : fit.hypothesis.effects)
     values.insert(values.end(), assumed.parameters.begin(), assumed.parameters.end());
-  for (Eigen::Index k = 0; k < p; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (points[i + 1].size() == 0 || points[0].size() == 0) {
-      fit.jacobian.col(k).setZero();
-      continue;
+  const bool wide = NeedsWideDifferences(fit.hypothesis.effects);
+  std::atomic<int> simulations = 1;
+  const Result<Eigen::VectorXd> here = study_.Predict({fit.hypothesis.z, coordinates.At(x.data())});
+  ParallelFor(static_cast<std::size_t>(p), 0, [&](std::size_t k) {
+    const auto predicted = [&](double by) {
+      std::vector<double> at = x;
+      at[k] += by;
+      return study_.Predict({fit.hypothesis.z, coordinates.At(at.data())});
+    };
+    const std::optional<Difference> difference =
+        here.ok() ? DifferenceOf(predicted, *here, whitener_, coordinates.Difference(k, x[k]), wide) : std::nullopt;
+    Eigen::Ref<Eigen::VectorXd> column = fit.jacobian.col(static_cast<Eigen::Index>(k));
+    if (!difference) {
+      column.setZero();
+      return;
     }
-    fit.jacobian.col(k) = (points[i + 1] - points[0]) / (steps[i] * coordinates.Slope(i, values[i]));
-  }
+    column = whitener_(difference->change) / (difference->step * coordinates.Slope(k, values[k]));
+    simulations += difference->simulations;
+  });
+  fit.simulations += simulations;
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(p + m, p + m);
   for (Eigen::Index k = 0; k < m; ++k) fit.jacobian.col(p + k) = whitener_(fit.doubts.jacobian.col(k));
   information = fit.jacobian.transpose() * fit.jacobian;

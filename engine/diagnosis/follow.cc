@@ -93,7 +93,9 @@ std::vector<Follower> FittedBeside(const Study& here, const Hypothesis& about, c
   std::vector<std::optional<Follower>> fitted(effects.size());
   ParallelFor(effects.size(), 0, [&](std::size_t k) {
     Fit fit = fitter.Optimise({effects[k]}, *doubts, 8);
-    if (fit.ok()) fitted[k] = Weighed(here, std::move(fit));
+    if (!fit.ok()) return;
+    fitted[k] = Weighed(here, std::move(fit));
+    fitted[k]->fit.hypothesis.z = about.z;  // the doubts' shift is linear, and another one beside the effect
   });
   std::vector<Follower> followers;
   for (std::optional<Follower>& one : fitted) {
@@ -127,10 +129,10 @@ std::optional<Followed> Follow(const Study& study, double first, std::vector<Hyp
     if (followers.empty() || followers.front().over > (relatives ? kLost : kAtFloor)) break;
     if (relatives && Farthest(here, followers.front().fit) > kOffTheLine) break;
     over = followers.front().over;
-    found = Followed{followers.front().fit.hypothesis, share};
-    if (share == 1.0) break;
     starts.clear();
     for (Follower& one : followers) starts.push_back(std::move(one.fit.hypothesis));
+    found = Followed{starts.front(), {starts.begin() + 1, starts.end()}, share};
+    if (share == 1.0) break;
   }
   if (!found || found->share < 2.0 * first || over > kAtFloor) return std::nullopt;
   if (found->share < 1.0 && !Forgets(study, found->hypothesis)) return std::nullopt;

@@ -26,7 +26,8 @@ void BestFirst(std::vector<Follower>& followers);
 
 struct Followed {
   Hypothesis hypothesis;
-  double share = 0.0;  // of the study's records that a free run predicts to the noise; 1: all of them
+  std::vector<Hypothesis> alike;  // others that came as far and may still be as good, the best first
+  double share = 0.0;             // of the study's records that a free run predicts to the noise; 1: all of them
 };
 /// Hypotheses akin to the one that leads on the beginning `here`, for where it comes short.
 using Relatives = std::function<std::vector<Hypothesis>(const Study& here, const Hypothesis& leader)>;

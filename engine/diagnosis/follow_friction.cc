@@ -60,6 +60,7 @@ std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, d
       parameters[i] = std::clamp(parameters[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);
     tried.push_back({effect, known.place, std::move(parameters)});
   };
+  add("coulomb_friction", {torque});
   // In a resonance inertias go much faster than what is measured, and break away far below that.
   for (const double share : {0.01, 0.05, 0.2, 1.0, 5.0}) {
     const double speed = share * speed_rad_per_s;
@@ -93,15 +94,6 @@ std::optional<Followed> FollowFriction(const Study& study, const std::optional<P
   }
   return Follow(study, first_s / end_s, std::move(starts), progress,
                 [&](const Study& here, const Hypothesis& leader) { return OtherLaws(here, leader, seen.speed); });
-}
-
-bool IsDryFriction(const Effect& effect) {
-  const std::string& name = effect.info().name;
-  return name == "coulomb_friction" || name == "dahl_friction" || FallsOrDiffers(effect);
-}
-
-bool FallsOrDiffers(const Effect& friction) {
-  return friction.info().name == "stribeck_friction" || friction.info().name == "asymmetric_friction";
 }
 
 }  // namespace dynoproof::diagnosis

@@ -9,9 +9,4 @@ namespace dynoproof::diagnosis {
 std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
                                        const std::function<void(double)>& progress);
 
-/// Whether an effect is such a law.
-bool IsDryFriction(const Effect& effect);
-/// Whether it is one of those that fall with speed or differ with direction.
-bool FallsOrDiffers(const Effect& friction);
-
 }  // namespace dynoproof::diagnosis

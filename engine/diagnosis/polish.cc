@@ -8,6 +8,7 @@
 #include "diagnosis/coordinates.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/parallel.h"
+#include "diagnosis/slope.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -166,21 +167,28 @@ class JointCost : public ceres::CostFunction {
 
   bool Differences(const Eigen::VectorXd& x) const {
     const Eigen::Index p = static_cast<Eigen::Index>(coordinates_.size());
+    const bool wide = NeedsWideDifferences(at_.hypothesis.effects);
     slopes_.resize(study_.measured().size(), x.size());
     std::atomic<bool> good = true;
+    std::atomic<int> simulations = 0;
     ParallelFor(Num(x.size()), 0, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
-      Eigen::VectorXd moved = x;
       const double step = column < p ? coordinates_.Difference(k, x[column])
                                      : kDoubtStep / at_.doubts.freedom[Num(at_.doubts.free[Num(column - p)])];
-      moved[column] += step;
-      const Result<Eigen::VectorXd> predicted = study_.Predict(At(moved.data()));
-      if (predicted.ok() && predicted->allFinite())
-        slopes_.col(column) = (*predicted - tried_.predicted) / step;
-      else
+      const auto predicted = [&](double by) {
+        Eigen::VectorXd moved = x;
+        moved[column] += by;
+        return study_.Predict(At(moved.data()));
+      };
+      const std::optional<Difference> difference = DifferenceOf(predicted, tried_.predicted, whitener_, step, wide);
+      if (difference) {
+        slopes_.col(column) = difference->change / difference->step;
+        simulations += difference->simulations;
+      } else {
         good = false;
+      }
     });
-    at_.simulations += static_cast<int>(x.size());
+    at_.simulations += simulations;
     return good;
   }
 

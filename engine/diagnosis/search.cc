@@ -121,7 +121,7 @@ class Searching {
 
   /// One substep a sample: what a nonlinear law costs falls by four, and a search does not need the last digits.
   static Plan Rough(Plan plan) {
-    plan.root["run"]["realtime"]["substeps"] = Value(1);
+    SetSubsteps(plan, 1);
     return plan;
   }
   /// Searching takes as long as the records are; what a line's behaviour can tell, its first seconds do.
@@ -296,16 +296,18 @@ class Searching {
     const std::optional<Followed> followed = FollowFriction(
         fine, place, [&](double done) { Step("following friction from the beginning", 0.5 + 0.1 * done); });
     if (!followed || followed->share < 1.0) return false;
-    Fit suspect = FitAt(fine, followed->hypothesis), nominal = FitAt(fine, null.hypothesis);
-    if (!suspect.ok() || !nominal.ok()) return false;
+    Fit nominal = FitAt(fine, null.hypothesis);
     std::vector<Fit> rivals;
-    for (const Fit& fit : fits) {
-      if (fit.Name() == suspect.Name()) continue;
-      rivals.push_back(FitAt(fine, fit.hypothesis));
-      if (!rivals.back().ok()) rivals.pop_back();
-    }
-    rivals.push_back(std::move(suspect));
-    Sort(Fitter(fine, WhitenerOf(fine, rivals.back())), rivals);
+    const auto add = [&](const Hypothesis& hypothesis) {
+      Fit fit = FitAt(fine, hypothesis);
+      const auto known = [&](const Fit& other) { return other.Name() == fit.Name(); };
+      if (fit.ok() && std::none_of(rivals.begin(), rivals.end(), known)) rivals.push_back(std::move(fit));
+    };
+    add(followed->hypothesis);
+    for (const Hypothesis& other : followed->alike) add(other);
+    for (const Fit& fit : fits) add(fit.hypothesis);
+    if (!nominal.ok() || rivals.empty()) return false;
+    Sort(Fitter(fine, WhitenerOf(fine, rivals.front())), rivals);
     Contest contest(fine, saved_, options_.progress);
     contest.Decide(EntrantsOf(found_.screened), rivals, nominal);
     simulations_ += contest.simulations();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "diagnosis/candidates.h"
 #include "experiment/prepare.h"
 #include "score/series.h"
 #include "sim/simulate.h"
@@ -12,6 +13,8 @@
 
 namespace dynoproof::diagnosis {
 namespace {
+
+constexpr std::int64_t kFiner = 4;  // times the scenario's substeps, for dry friction
 
 Series Cut(const Series& series, double end_s) {
   const auto rows = std::upper_bound(series.time->begin(), series.time->end(), end_s) - series.time->begin();
@@ -107,20 +110,31 @@ void Study::Observe(double window_s) {
   }
 }
 
+std::int64_t SubstepsOf(const Plan& plan) {
+  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
+  return substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
+}
+
+void SetSubsteps(Plan& plan, std::int64_t substeps) { plan.root["run"]["realtime"]["substeps"] = Value(substeps); }
+
 Plan Study::PlanOf(const Hypothesis& hypothesis) const {
   Plan plan = plan_;
   ApplyDoubts(doubts_, hypothesis.z, plan);
   for (const Assumed& assumed : hypothesis.effects) assumed.effect->Apply(plan, assumed.place, assumed.parameters);
+  if (NeedsFinerSteps(hypothesis)) SetSubsteps(plan, kFiner * SubstepsOf(plan));
   return plan;
+}
+
+bool Study::NeedsFinerSteps(const Hypothesis& hypothesis) const {
+  return !PredictionWindow(plan_) && std::any_of(hypothesis.effects.begin(), hypothesis.effects.end(),
+                                                 [](const Assumed& assumed) { return IsDryFriction(*assumed.effect); });
 }
 
 Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }
 
 Result<Eigen::VectorXd> Study::PredictFiner(const Hypothesis& hypothesis) const {
   Plan plan = PlanOf(hypothesis);
-  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
-  const std::int64_t now = substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
-  plan.root["run"]["realtime"]["substeps"] = Value(2 * now);
+  SetSubsteps(plan, 2 * SubstepsOf(plan));
   return PredictPlan(plan);
 }
 

@@ -42,6 +42,10 @@ struct Channel {
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
+/// Substeps of a period (`run.realtime.substeps`).
+std::int64_t SubstepsOf(const Plan& plan);
+void SetSubsteps(Plan& plan, std::int64_t substeps);
+
 class Study {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.
@@ -64,7 +68,7 @@ class Study {
   const std::vector<double>& time_s() const { return time_s_; }
   const std::shared_ptr<mechanics::Decompositions>& decompositions() const { return known_; }
 
-  /// The plan of a hypothesis: doubts first, then the effects in order.
+  /// The plan of a hypothesis: doubts first, then the effects in order, with substeps as fine as they ask for.
   Plan PlanOf(const Hypothesis& hypothesis) const;
   /// What that plan predicts for every row: a free run from each record's start, or in the windows of the plan's
   /// prediction_window_s, whose first is then no part of the vector. Fails where a run breaks.
@@ -72,6 +76,10 @@ class Study {
   Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
   /// Predict() with half the solver's step.
   Result<Eigen::VectorXd> PredictFiner(const Hypothesis& hypothesis) const;
+  /// Whether a hypothesis is run with finer substeps than the scenario has. Dry friction is held over a substep where
+  /// it may stick: on undamped modes that leaves twice the noise of a good sensor, which four times finer steps take
+  /// away.
+  bool NeedsFinerSteps(const Hypothesis& hypothesis) const;
   Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
 
  private:
