@@ -122,7 +122,12 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
     for (const double share : {0.5, 0.7, 0.85, 0.95}) starts.push_back({share * size(m.input_peak)});
     return starts;
   }
-  if (name == "actuator_dead_zone") return {{0.05 * size(m.input_rms)}};
+  // A wide one lets only peaks through: from a narrow one no slope leads there.
+  if (name == "actuator_dead_zone") {
+    Starts starts;
+    for (const double share : {0.05, 0.5, 1.5, 5.0}) starts.push_back({share * size(m.input_rms)});
+    return starts;
+  }
   if (name == "sensor_offset") return {{0.05 * size(m.output_spread)}};
   if (name == "sensor_drift") return {{0.05 * size(m.output_spread) / m.duration_s}};
   // Play and stiction that the record does not exceed hide all motion: several sizes, the smallest first.

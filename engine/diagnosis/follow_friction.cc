@@ -48,11 +48,15 @@ std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& pl
   return best;
 }
 
+/// The torque at which an inertia breaks loose: of Stribeck's numbers the second is at rest, of the others the first.
+double BreakAway(const Assumed& friction) {
+  return friction.parameters[friction.effect->info().name == "stribeck_friction" ? 1 : 0];
+}
+
 /// The laws of friction that break away at the torque at which the leader does, at its place: those that explain most.
 std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, double speed_rad_per_s) {
   const Assumed& known = leader.effects.front();
-  // Of Stribeck's numbers the second is at rest; of the others the first.
-  const double torque = known.parameters[known.effect->info().name == "stribeck_friction" ? 1 : 0];
+  const double torque = BreakAway(known);
   std::vector<Assumed> tried;
   const auto add = [&](const char* name, std::vector<double> parameters) {
     const Effect* effect = here.registry().FindEffect(name);
@@ -94,6 +98,12 @@ std::optional<Followed> FollowFriction(const Study& study, const std::optional<P
   }
   return Follow(study, first_s / end_s, std::move(starts), progress,
                 [&](const Study& here, const Hypothesis& leader) { return OtherLaws(here, leader, seen.speed); });
+}
+
+Hypothesis AsCoulomb(const Study& study, Hypothesis friction) {
+  Assumed& law = friction.effects.back();
+  law = {study.registry().FindEffect("coulomb_friction"), law.place, {BreakAway(law)}};
+  return friction;
 }
 
 }  // namespace dynoproof::diagnosis

@@ -9,4 +9,7 @@ namespace dynoproof::diagnosis {
 std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
                                        const std::function<void(double)>& progress);
 
+/// The same friction by the simplest law, which all others contain: a law of three or four numbers has to do better.
+Hypothesis AsCoulomb(const Study& study, Hypothesis friction);
+
 }  // namespace dynoproof::diagnosis

@@ -305,6 +305,7 @@ class Searching {
     };
     add(followed->hypothesis);
     for (const Hypothesis& other : followed->alike) add(other);
+    add(AsCoulomb(fine, followed->hypothesis));
     for (const Fit& fit : fits) add(fit.hypothesis);
     if (!nominal.ok() || rivals.empty()) return false;
     Sort(Fitter(fine, WhitenerOf(fine, rivals.front())), rivals);
