@@ -36,6 +36,20 @@ Eigen::VectorXd SolverBias(const Study& study, const Fit& fit) {
   return 2.0 * (fit.covariance * (fit.jacobian.transpose() * moved)).cwiseAbs();
 }
 
+/// Adds to `alike` laws with fewer numbers at the place of the best one (the first of `fits`) that foretell the
+/// left-out parts of the data no worse: with friction beside undamped modes, numbers to spare take up what the solver
+/// leaves in them at each stop. `validation`: the error there, by fit.
+void AddSimplerLaws(const std::vector<Fit>& fits, const std::vector<double>& validation,
+                    std::vector<std::size_t>& alike) {
+  const std::vector<Assumed>& best = fits.front().hypothesis.effects;
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    const std::vector<Assumed>& other = fits[i].hypothesis.effects;
+    if (best.size() != 1 || other.size() != 1 || !(other[0].place == best[0].place)) continue;
+    if (fits[i].parameters() >= fits[0].parameters() || validation[i] > validation[0]) continue;
+    if (std::find(alike.begin(), alike.end(), i) == alike.end()) alike.push_back(i);
+  }
+}
+
 }  // namespace
 
 Judgement::Judgement(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
@@ -83,6 +97,7 @@ void Judgement::Judge() {
   const std::vector<std::string> strained = StrainedDoubts(null);
   const double farthest = Farthest(study_, null);
   std::vector<Fit> standing;
+  std::vector<double> validation;
   for (Fit& fit : fits) {
     fitter.Weigh(fit);
     fitter.Derive(fit);
@@ -111,7 +126,10 @@ void Judgement::Judge() {
     bool nothing = false;
     for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(fit, e);
     if (nothing) considered.why_not = "its size cannot be told from none";
-    if ((s.significant || beyond) && !within && !nothing) standing.push_back(fit);
+    if ((s.significant || beyond) && !within && !nothing) {
+      standing.push_back(fit);
+      validation.push_back(considered.validation_nrmse);
+    }
   }
   fits = std::move(standing);
   const bool rest = AnyFound(structure);
@@ -137,6 +155,7 @@ void Judgement::Judge() {
     return;
   }
   alike_ = AmbiguitySet(fits, found_.threshold);
+  AddSimplerLaws(fits, validation, alike_);
   // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
   if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
   if (rest) {
@@ -204,7 +223,12 @@ void Judgement::ReportEffects(const std::vector<Fit>& fits) {
   const Fit& best = fits.front();
   const Eigen::VectorXd bias = SolverBias(study_, best);
   double evidence = 0.0;
-  for (const Fit& fit : fits) evidence += std::exp(-0.5 * (fit.criterion - best.criterion));
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    // Who stands beside the best one stands for its validation, where the evidence has come from numbers to spare.
+    const bool alike = std::find(alike_.begin(), alike_.end(), i) != alike_.end();
+    const double behind = fits[i].criterion - best.criterion;
+    evidence += alike && fits[i].parameters() < best.parameters() ? 1.0 : std::exp(-0.5 * behind);
+  }
   Eigen::Index k = 0;
   for (const Assumed& assumed : best.hypothesis.effects) {
     FoundEffect& found = result_.effects.emplace_back();
