@@ -40,6 +40,7 @@ class Contest {
   std::optional<Assumed> AsEffect(const Doubt& doubt, double z) const;
   void Race(std::vector<Fit>& fits, const Fit& null);
   Fit FromItsOwn(Fit fit, const Fitter& fitter) const;
+  Fit Grown(const Fit& cold, const Fitter& last);
   bool MovesModes(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;
