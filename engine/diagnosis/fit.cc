@@ -245,7 +245,18 @@ double Farthest(const Study& study, const Fit& fit) {
   return farthest;
 }
 
-bool IsNothing(const Fit& fit, std::size_t effect) {
+Eigen::VectorXd SolverBias(const Study& study, const Fit& fit) {
+  const Eigen::Index parameters = fit.covariance.rows();
+  const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
+  if (!finer.ok()) return Eigen::VectorXd::Zero(parameters);
+  const Eigen::VectorXd moved = WhitenerOf(study, fit)(*finer - fit.predicted);
+  return 2.0 * (fit.covariance * (fit.jacobian.transpose() * moved)).cwiseAbs();
+}
+
+bool IsNothing(const Study& study, const Fit& fit, std::size_t effect) {
+  const Eigen::VectorXd bias = fit.hypothesis.effects.size() > 1
+                                   ? SolverBias(study, fit)
+                                   : Eigen::VectorXd(Eigen::VectorXd::Zero(fit.covariance.rows()));
   Eigen::Index k = 0;
   for (std::size_t e = 0; e < effect; ++e) k += static_cast<Eigen::Index>(fit.hypothesis.effects[e].parameters.size());
   const Assumed& assumed = fit.hypothesis.effects[effect];
@@ -254,7 +265,7 @@ bool IsNothing(const Fit& fit, std::size_t effect) {
     const EffectParameter& p = assumed.effect->info().parameters[i];
     if (!std::isfinite(p.neutral)) continue;
     strength = true;
-    const double half = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k)));
+    const double half = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k))) + bias[k];
     if (std::abs(assumed.parameters[i] - p.neutral) > half) return false;
   }
   return strength;

@@ -86,10 +86,14 @@ std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit);
 double Farthest(const Study& study, const Fit& fit);
 
 inline constexpr double kTwoSided95 = 1.959964;  // standard deviations
+/// How far the optimum lies off for the solver's step, by parameter of all effects: laws that switch within a step are
+/// found to first order only, so half the step takes half of it away. Of a fit with its covariance.
+Eigen::VectorXd SolverBias(const Study& study, const Fit& fit);
 /// Whether no strength of effect number `effect` has a 95 % interval that leaves out the neutral value: what is gained
 /// then comes from computing the nominal model another way. Of a fit with its covariance; false for effects without
 /// strengths.
-bool IsNothing(const Fit& fit, std::size_t effect);
+/// A second effect has to be larger than what the solver's step makes of it, too.
+bool IsNothing(const Study& study, const Fit& fit, std::size_t effect);
 
 /// What a search may move.
 enum class Moves { kAll, kDoubts };

@@ -26,16 +26,6 @@ std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
   return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
 }
 
-/// How far the optimum lies off for the solver's step, by parameter of all effects: laws that switch within a step are
-/// found to first order only, so half the step takes half of it away.
-Eigen::VectorXd SolverBias(const Study& study, const Fit& fit) {
-  const Eigen::Index parameters = fit.covariance.rows();
-  const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
-  if (!finer.ok()) return Eigen::VectorXd::Zero(parameters);
-  const Eigen::VectorXd moved = WhitenerOf(study, fit)(*finer - fit.predicted);
-  return 2.0 * (fit.covariance * (fit.jacobian.transpose() * moved)).cwiseAbs();
-}
-
 /// Adds to `alike` laws with fewer numbers at the place of the best one (the first of `fits`) that foretell the
 /// left-out parts of the data no worse: with friction beside undamped modes, numbers to spare take up what the solver
 /// leaves in them at each stop. `validation`: the error there, by fit.
@@ -124,7 +114,7 @@ void Judgement::Judge() {
     if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
     if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
     bool nothing = false;
-    for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(fit, e);
+    for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(study_, fit, e);
     if (nothing) considered.why_not = "its size cannot be told from none";
     if ((s.significant || beyond) && !within && !nothing) {
       standing.push_back(fit);

@@ -247,7 +247,7 @@ class Searching {
     Fitter(*study_, WhitenerOf(*study_, pair)).Derive(derived);
     for (std::size_t e = 0; e < pair.hypothesis.effects.size(); ++e) {
       const Assumed& second = pair.hypothesis.effects[e];
-      bool none = IsNothing(derived, e);
+      bool none = IsNothing(*study_, derived, e);
       Hypothesis at = Without(pair.hypothesis, e);
       for (std::size_t i = 0; i < study_->doubts().size(); ++i) {
         const Doubt& doubt = study_->doubts()[i];
