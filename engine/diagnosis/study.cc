@@ -14,7 +14,16 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr std::int64_t kFiner = 4;  // times the scenario's substeps, for dry friction
+constexpr std::int64_t kFiner = 4;  // times the scenario's substeps, for dry friction beside undamped modes
+
+bool HasUndampedShaft(const Plan& plan) {
+  const Value* shafts = plan.root.FindPath("plant.shaft");
+  const std::vector<std::string> names = shafts != nullptr ? KeysOf(*shafts) : std::vector<std::string>();
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    const Value* damping = shafts->Find(name)->Find("damping_Nms_per_rad");
+    return damping == nullptr || (damping->is_number() && damping->number() == 0.0);
+  });
+}
 
 Series Cut(const Series& series, double end_s) {
   const auto rows = std::upper_bound(series.time->begin(), series.time->end(), end_s) - series.time->begin();
@@ -126,8 +135,9 @@ Plan Study::PlanOf(const Hypothesis& hypothesis) const {
 }
 
 bool Study::NeedsFinerSteps(const Hypothesis& hypothesis) const {
-  return !PredictionWindow(plan_) && std::any_of(hypothesis.effects.begin(), hypothesis.effects.end(),
-                                                 [](const Assumed& assumed) { return IsDryFriction(*assumed.effect); });
+  return !PredictionWindow(plan_) && HasUndampedShaft(plan_) &&
+         std::any_of(hypothesis.effects.begin(), hypothesis.effects.end(),
+                     [](const Assumed& assumed) { return IsDryFriction(*assumed.effect); });
 }
 
 Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }

@@ -77,8 +77,8 @@ class Study {
   /// Predict() with half the solver's step.
   Result<Eigen::VectorXd> PredictFiner(const Hypothesis& hypothesis) const;
   /// Whether a hypothesis is run with finer substeps than the scenario has. Dry friction is held over a substep where
-  /// it may stick: on undamped modes that leaves twice the noise of a good sensor, which four times finer steps take
-  /// away.
+  /// it may stick: undamped modes remember that, up to twice the noise of a good sensor; four times finer steps take
+  /// most of it away. Damped ones forget it.
   bool NeedsFinerSteps(const Hypothesis& hypothesis) const;
   Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
 
