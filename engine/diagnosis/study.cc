@@ -14,7 +14,7 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr std::int64_t kFiner = 4;  // times the scenario's substeps, for dry friction beside undamped modes
+constexpr std::int64_t kFewest = 4;  // substeps for dry friction beside undamped modes: the engine's default
 
 bool HasUndampedShaft(const Plan& plan) {
   const Value* shafts = plan.root.FindPath("plant.shaft");
@@ -130,7 +130,7 @@ Plan Study::PlanOf(const Hypothesis& hypothesis) const {
   Plan plan = plan_;
   ApplyDoubts(doubts_, hypothesis.z, plan);
   for (const Assumed& assumed : hypothesis.effects) assumed.effect->Apply(plan, assumed.place, assumed.parameters);
-  if (NeedsFinerSteps(hypothesis)) SetSubsteps(plan, kFiner * SubstepsOf(plan));
+  if (NeedsFinerSteps(hypothesis)) SetSubsteps(plan, std::max(kFewest, SubstepsOf(plan)));
   return plan;
 }
 

@@ -76,9 +76,8 @@ class Study {
   Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
   /// Predict() with half the solver's step.
   Result<Eigen::VectorXd> PredictFiner(const Hypothesis& hypothesis) const;
-  /// Whether a hypothesis is run with finer substeps than the scenario has. Dry friction is held over a substep where
-  /// it may stick: undamped modes remember that, up to twice the noise of a good sensor; four times finer steps take
-  /// most of it away. Damped ones forget it.
+  /// Whether a hypothesis is run with four substeps at least, where a rough search takes one. Dry friction is held over
+  /// a substep where it may stick, which undamped modes remember and damped ones forget.
   bool NeedsFinerSteps(const Hypothesis& hypothesis) const;
   Hypothesis Nominal() const { return {std::vector<double>(doubts_.size(), 0.0), {}}; }
 
