@@ -188,8 +188,7 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
       if (place.kind == "input" && !study.records().front().inputs.contains(place.name)) continue;
       Candidate candidate{effect, place, StartsOf(study, magnitudes, *effect, place), StrengthsOf(*effect), false};
       // Where the motion is given a run costs next to nothing, and elastic friction need not look like a dry one.
-      const bool other_friction =
-          name == "stribeck_friction" || name == "asymmetric_friction" || name == "dahl_friction";
+      const bool other_friction = IsDryFriction(*effect) && name != "coulomb_friction";
       // Any order of ripple is tried at both ends of the line, of which one may be heavy; the rest follow them.
       const bool between = place != places.front() && place != places.back();
       candidate.refinement = (other_friction && !moved) || (name == "torque_ripple" && between);

@@ -57,8 +57,8 @@ class Searching {
     found_.candidates = CandidatesFor(*study_, MagnitudesOf(*study_));
     found_.threshold = Threshold(whitener.rows(), found_.candidates.size());
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
-    std::vector<Structure> structure = StructureOf(null);
-    const bool lost = fits.empty() && AnyFound(structure);
+    std::vector<Structure> structure;
+    const bool lost = fits.empty() && AnyFound(StructureOf(null));
     const bool slips = options_.suspects.empty() &&
                        (lost || (!fits.empty() && IsDryFriction(*fits.front().hypothesis.effects.back().effect)));
     if (slips) {
