@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "diagnosis/candidates.h"
 #include "diagnosis/decide.h"
 #include "diagnosis/extend.h"
 
@@ -26,16 +27,27 @@ std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
   return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
 }
 
+/// How far ahead of a fit with dry friction another one may be and explain no more [-2 log evidence]: numbers to spare
+/// take up what the solver's step leaves at each stop, and no fit comes to the very bottom of its rough way.
+double Roughness(const Study& study, const Fit& fit, const Whitener& whitener) {
+  constexpr double kWay = 50.0;  // between the best two of many minima
+  if (!IsDryFriction(*fit.hypothesis.effects.back().effect)) return 0.0;
+  const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
+  return kWay + (finer.ok() ? 2.0 * whitener(*finer - fit.predicted).squaredNorm() : 0.0);
+}
+
 /// Adds to `alike` laws with fewer numbers at the place of the best one (the first of `fits`) that foretell the
-/// left-out parts of the data no worse: with friction beside undamped modes, numbers to spare take up what the solver
-/// leaves in them at each stop. `validation`: the error there, by fit.
-void AddSimplerLaws(const std::vector<Fit>& fits, const std::vector<double>& validation,
+/// left-out parts of the data no worse, or explain as much as can be told. `validation`: the error there, by fit.
+void AddSimplerLaws(const Study& study, const std::vector<Fit>& fits, const std::vector<double>& validation,
                     std::vector<std::size_t>& alike) {
+  const Whitener whitener = WhitenerOf(study, fits.front());
   const std::vector<Assumed>& best = fits.front().hypothesis.effects;
   for (std::size_t i = 1; i < fits.size(); ++i) {
     const std::vector<Assumed>& other = fits[i].hypothesis.effects;
     if (best.size() != 1 || other.size() != 1 || !(other[0].place == best[0].place)) continue;
-    if (fits[i].parameters() >= fits[0].parameters() || validation[i] > validation[0]) continue;
+    if (fits[i].parameters() >= fits[0].parameters()) continue;
+    const double behind = fits[i].criterion - fits[0].criterion;
+    if (validation[i] > validation[0] && behind > Roughness(study, fits[i], whitener)) continue;
     if (std::find(alike.begin(), alike.end(), i) == alike.end()) alike.push_back(i);
   }
 }
@@ -145,7 +157,7 @@ void Judgement::Judge() {
     return;
   }
   alike_ = AmbiguitySet(fits, found_.threshold);
-  AddSimplerLaws(fits, validation, alike_);
+  AddSimplerLaws(study_, fits, validation, alike_);
   // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
   if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
   if (rest) {

@@ -11,6 +11,7 @@
 #include "diagnosis/follow_friction.h"
 #include "diagnosis/gain.h"
 #include "diagnosis/resume.h"
+#include "diagnosis/shake.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -19,6 +20,10 @@ constexpr double kSearchRows = 2e4;  // a channel: where the search takes place,
 constexpr std::size_t kCarried = 4;  // fits that go on from there to all training data; an ambiguity set holds three
 constexpr double kScreeningTime_s = 1.2;  // of a record: some 500 periods of a drive line's first mode
 constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully after the screening
+constexpr int kShakes = 12;               // of a fit with dry friction
+constexpr double kRough = 500.0;          // -2 log evidence that such a fit may lack where it came to rest
+
+bool Rubs(const Fit& fit) { return fit.ok() && IsDryFriction(*fit.hypothesis.effects.back().effect); }
 
 class Searching {
  public:
@@ -272,6 +277,10 @@ class Searching {
       Fit beside = FitAt(*study_, {fits[0].hypothesis.z, fits[k].hypothesis.effects});
       fitter.Weigh(fits[k]);
       if (beside.ok()) KeepBetter(fits[k], fitter.Polish(std::move(beside), 8));
+      // What one law is ahead of a simpler one may be no more than where on its rough way it has come to rest.
+      if (Rubs(fits[k]) && fits[k].parameters() < fits[0].parameters() &&
+          fits[k].criterion - fits[0].criterion < kRough)
+        fits[k] = Shaken(*study_, fitter, std::move(fits[k]), kShakes);
     }
   }
 
@@ -406,6 +415,10 @@ class Searching {
     for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
     if (!fits.empty() && fits[0].ok()) {
       fits[0] = ToItsPlace(std::move(fits[0]));
+      if (Rubs(fits[0])) {
+        const Fitter fitter(*study_, WhitenerOf(*study_, fits[0]));
+        fits[0] = Shaken(*study_, fitter, std::move(fits[0]), kShakes);
+      }
       AskAtItsPlace(fits);
     }
     std::erase_if(fits, [](const Fit& fit) { return !fit.ok(); });

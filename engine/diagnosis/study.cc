@@ -14,7 +14,7 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr std::int64_t kFewest = 4;  // substeps for dry friction beside undamped modes: the engine's default
+constexpr int kFewest = 4;  // substeps for dry friction beside undamped modes: the engine's default
 
 bool HasUndampedShaft(const Plan& plan) {
   const Value* shafts = plan.root.FindPath("plant.shaft");
@@ -118,13 +118,6 @@ void Study::Observe(double window_s) {
     for (auto& [name, series] : record.outputs) series = From(series, window_s);
   }
 }
-
-std::int64_t SubstepsOf(const Plan& plan) {
-  const Value* substeps = plan.root.FindPath("run.realtime.substeps");
-  return substeps != nullptr && substeps->is_integer() ? substeps->integer() : 1;
-}
-
-void SetSubsteps(Plan& plan, std::int64_t substeps) { plan.root["run"]["realtime"]["substeps"] = Value(substeps); }
 
 Plan Study::PlanOf(const Hypothesis& hypothesis) const {
   Plan plan = plan_;

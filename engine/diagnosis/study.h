@@ -42,10 +42,6 @@ struct Channel {
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
-/// Substeps of a period (`run.realtime.substeps`).
-std::int64_t SubstepsOf(const Plan& plan);
-void SetSubsteps(Plan& plan, std::int64_t substeps);
-
 class Study {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.

@@ -79,9 +79,8 @@ std::vector<score::Check> ContactsCheck::Run(CheckContext& context) const {
     };
     Result<ContactCourse> exact = follow("reference");
     const Result<ContactCourse> real = follow("realtime");
-    const Value* written = plan.root.FindPath("run.realtime.substeps");
-    const int substeps = written != nullptr && written->is_integer() ? static_cast<int>(written->integer()) : 4;
-    plan.root["run"]["realtime"]["substeps"] = Value(2 * substeps);
+    const int substeps = SubstepsOf(plan);
+    SetSubsteps(plan, 2 * substeps);
     const Result<ContactCourse> halved = follow("realtime");
     const auto fail = [&](std::string why) {
       checks.push_back(Failed(kName, name + " impacts", p_.impact_ms, "ms", p_.origin, std::move(why)));

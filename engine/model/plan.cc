@@ -68,6 +68,14 @@ RunSettings ReadRun(const Plan& plan, Diagnostics& diagnostics) {
   return settings;
 }
 
+int SubstepsOf(const Plan& plan) {
+  const Value* written = plan.root.FindPath("run.realtime.substeps");
+  const bool given = written != nullptr && written->is_integer();
+  return given ? static_cast<int>(written->integer()) : RunSettings::Realtime().substeps;
+}
+
+void SetSubsteps(Plan& plan, int substeps) { plan.root["run"]["realtime"]["substeps"] = Value(std::int64_t{substeps}); }
+
 std::vector<std::pair<std::string, InputSpec>> ReadInputs(const Plan& plan, Diagnostics& diagnostics) {
   return ReadNamed<InputSpec>(plan, "input", diagnostics);
 }

@@ -76,6 +76,9 @@ struct EffectUse {
 
 /// The sections of a plan, decoded; faults become diagnostics.
 RunSettings ReadRun(const Plan& plan, Diagnostics& diagnostics);
+/// run.realtime.substeps of a plan whose [run] is in order, the default where it says nothing.
+int SubstepsOf(const Plan& plan);
+void SetSubsteps(Plan& plan, int substeps);
 std::vector<std::pair<std::string, InputSpec>> ReadInputs(const Plan& plan, Diagnostics& diagnostics);
 std::vector<std::pair<std::string, OutputSpec>> ReadOutputs(const Plan& plan, Diagnostics& diagnostics);
 std::vector<EffectUse> ReadEffects(const Plan& plan, Diagnostics& diagnostics);

@@ -1,8 +1,9 @@
 // Solver `realtime`: fixed work per period. The linear part of the rig is carried exactly in modal coordinates. Where
 // something is nonlinear, an interval is cut into equal substeps; in each, the nonlinear laws and parts are taken to
 // change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
-// (second order). Friction that slips on does so too; where it may stick it is held over the substep at the value that
-// stops the motion at its end (time stepping with the set-valued law: no events, no chatter). A law with modes that do
+// (second order). Friction that slips on does so too; where the motion stops its torque jumps there, to the value that
+// keeps it at rest until the end or, beyond its limit, slips the other way (time stepping with the set-valued law: no
+// chatter). A law with modes that do
 // not stick (contact) may change its mode once in a substep, at the zero of its guard: along the cubic of the twist its
 // torque enters with its right mean and first moment, before and behind the jump (fourth order). Nothing is allocated
 // in a step.
@@ -262,6 +263,7 @@ class RealtimeSolver : public Solver {
   }
 
   static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
+  static constexpr double kLeastShare = 1e-9;       // of a substep: a shorter part of it is none
   static constexpr std::size_t kMostOfAPart = 16;   // inputs or states of a part that is carried ahead
 
   /// Carries states by one step of Runge-Kutta 4 over `length` [s]; `slope(share, x, rates)` at a share of it.
@@ -295,7 +297,23 @@ class RealtimeSolver : public Solver {
   struct Course {
     double begin, middle, end;
     double mean() const { return (begin + 4.0 * middle + end) / 6.0; }  // Simpson
+    static Course Straight(double begin, double end) { return {begin, 0.5 * (begin + end), end}; }
+    static Course Flat(double torque) { return {torque, torque, torque}; }
   };
+  /// A torque over a substep: the straight line held + ramp s that acts as it does, and its own value at the end.
+  struct Line {
+    double held, ramp, end;
+  };
+  /// Of a straight course over the whole substep.
+  static Line LineOf(double begin, double end) { return {begin, end - begin, end}; }
+  /// Of `before` until share `at` of the substep and `after` from there on: the same mean, and the same first moment
+  /// about the middle of the substep, which is each one's at its own middle plus that of its slope.
+  static Line LineOf(const Course& before, const Course& after, double at) {
+    const double rest = 1.0 - at, mean = at * before.mean() + rest * after.mean();
+    const double ramp = 6.0 * at * rest * (after.mean() - before.mean()) + at * at * (before.end - before.begin) +
+                        rest * rest * (after.end - after.begin);
+    return {mean - 0.5 * ramp, ramp, after.end};
+  }
   /// Runs a law from s0 to s1 in its present mode; `own` ends there.
   Course Run(std::size_t e, double time_s, double h, double s0, double s1, double begin, std::span<double> own,
              std::span<const int> modes) const {
@@ -306,10 +324,8 @@ class RealtimeSolver : public Solver {
     return {begin, middle, BeyondLinear(e, Between(e, time_s, h, s1, own, modes))};
   }
 
-  /// The torque of a law with modes over the substep, in one course or in two around its event. `held` and `ramp` give
-  /// the straight line of the same mean and first moment; returns the torque at the end.
-  double Switch(std::size_t e, double time_s, double h, double begin, std::span<double> own, std::span<int> modes,
-                double& held, double& ramp) {
+  /// The torque of a law with modes over the substep, in one course or in two around its event.
+  Line Switch(std::size_t e, double time_s, double h, double begin, std::span<double> own, std::span<int> modes) {
     assert(own.size() <= kMostLawStates);
     double saved[kMostLawStates];
     const Law& law = Law_(e);
@@ -319,9 +335,7 @@ class RealtimeSolver : public Solver {
     const Course whole = Run(e, time_s, h, 0.0, 1.0, begin, own, modes);
     law.Guards(Between(e, time_s, h, 1.0, own, modes), {&guard[1], 1});
     if (guard[0] > 0.0 && guard[1] > 0.0) {
-      ramp = whole.end - begin;
-      held = whole.mean() - 0.5 * ramp;
-      return whole.end;
+      return LineOf(whole, Course::Flat(whole.end), 1.0);
     }
     // The zero of the guard by false position, bracketed; the guard is smooth within a mode.
     double low = 0.0, high = 1.0, at = guard[0] <= 0.0 ? 0.0 : guard[0] / (guard[0] - guard[1]);
@@ -338,15 +352,8 @@ class RealtimeSolver : public Solver {
     const Course before = Run(e, time_s, h, 0.0, at, begin, own, modes);
     const LawView event = Between(e, time_s, h, at, own, modes);
     law.OnEvent(event, 0, own, modes);
-    const double jumped = BeyondLinear(e, Between(e, time_s, h, at, own, modes)), rest = 1.0 - at;
-    const Course after = Run(e, time_s, h, at, 1.0, jumped, own, modes);
-    // Mean of both, and their first moment about the middle of the substep: each at its own middle, plus its slope.
-    const double mean = at * before.mean() + rest * after.mean();
-    const double moment = 0.5 * at * rest * (after.mean() - before.mean()) +
-                          (at * at * (before.end - begin) + rest * rest * (after.end - jumped)) / 12.0;
-    ramp = 12.0 * moment;
-    held = mean - 0.5 * ramp;
-    return after.end;
+    const double jumped = BeyondLinear(e, Between(e, time_s, h, at, own, modes));
+    return LineOf(before, Run(e, time_s, h, at, 1.0, jumped, own, modes), at);
   }
 
   /// Carries a law's own states over a substep along the straight line between twists and rates y0_ and y_.
@@ -363,28 +370,74 @@ class RealtimeSolver : public Solver {
     });
   }
 
-  /// A torque over a substep.
-  struct Straight {
-    double begin, change;
+  /// What a torque begin + change s of a channel over a substep does to its own rate or twist at the end.
+  struct Reach {
+    double without, held, ramp;  // at the end without any; change by `begin`, by `change`
+    double At(double begin, double change) const { return without + held * begin + ramp * change; }
   };
-  /// Friction over a substep, where the relative speed would be `without` at its end without any. Who slips on in the
-  /// same direction has the torques of both ends (second order); else it is held at the value that stops the motion at
-  /// the end, or slips.
-  Straight StickOrSlip(std::size_t e, double time_s, double h, double without, double gain, double ramp_gain,
-                       std::span<const double> own) const {
-    const double end_s = time_s + h, rate = Rate(y0_, e), at_end = Rate(y_, e);
-    if (rate * at_end > 0.0) {
-      const int sign = rate > 0.0 ? 1 : -1;
-      const double begin = Law_(e).SlipTorque({time_s, Twist(y0_, e), rate, 0.0, own, {}}, sign);
-      const double end = Law_(e).SlipTorque({end_s, Twist(y_, e), at_end, 0.0, own, {}}, sign);
-      if ((without + gain * begin + ramp_gain * (end - begin)) * rate > 0.0) return {begin, end - begin};
+  Reach ReachOf(const Propagator& propagator, std::size_t row, std::size_t column) const {
+    const double held = propagator.held_gain()(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+    const double ramp = propagator.ramp_gain()(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+    return {y_[row] - held * held_[column] - ramp * ramp_[column], held, ramp};
+  }
+
+  /// Friction over a substep. Who slips on in the same direction has the torques of both ends. Else the motion stops
+  /// within the substep, and from there on a torque holds it, or what slips the other way. What rests is held by the
+  /// straight torque that leaves neither speed nor travel at the end, until that breaks away. All of second order.
+  Line StickOrSlip(std::size_t e, double time_s, double h, const Reach& rate, const Reach& twist,
+                   std::span<const double> own) const {
+    const double end_s = time_s + h, begin = Rate(y0_, e);
+    const auto slip = [&](double at_s, const std::vector<double>& y, double speed, double drive, int sign) {
+      return Law_(e).SlipTorque({at_s, Twist(y, e), speed, drive, own, {}}, sign);
+    };
+    double stop = 0.0, moving = 0.0;  // the share of the substep until the motion stops, the torque until then
+    if (begin != 0.0) {
+      const int sign = begin > 0.0 ? 1 : -1;
+      moving = slip(time_s, y0_, begin, 0.0, sign);
+      if (begin * Rate(y_, e) > 0.0) {
+        const double end = slip(end_s, y_, Rate(y_, e), 0.0, sign);
+        if (rate.At(moving, end - moving) * begin > 0.0) return LineOf(moving, end);
+      }
+      stop = StopOf(begin, rate.At(moving, 0.0), (twist.At(moving, 0.0) - Twist(y0_, e)) / h);
     }
-    const double hold = -without / gain;
+    if (stop == 1.0) return LineOf(moving, moving);
+    if (stop == 0.0) {
+      const double travel = Twist(y0_, e) - twist.without, scale = rate.held * twist.ramp - rate.ramp * twist.held;
+      const double hold = (-rate.without * twist.ramp - rate.ramp * travel) / scale;
+      const double change = (rate.held * travel + rate.without * twist.held) / scale, last = hold + change;
+      if (std::abs(hold) <= std::abs(slip(time_s, y0_, 0.0, hold, hold > 0.0 ? 1 : -1))) {
+        const int sign = last > 0.0 ? 1 : -1;
+        const double limit = slip(end_s, y_, 0.0, last, sign);
+        if (std::abs(last) <= std::abs(limit)) return LineOf(hold, last);
+        const double leave = std::clamp((limit - hold) / change, 0.0, 1.0);
+        const Course still = Course::Straight(hold, limit);
+        const Line line = LineOf(still, Course::Flat(limit), leave);
+        const double after = slip(end_s, y_, rate.At(line.held, line.ramp), last, sign);
+        return LineOf(still, Course::Flat(after), leave);
+      }
+    }
+    const auto with = [&](double after) { return LineOf(Course::Flat(moving), Course::Flat(after), stop); };
+    const auto left = [&](double after) { return rate.At(with(after).held, with(after).ramp); };
+    const double free = left(0.0), hold = -free / (left(1.0) - free);
     const int sign = hold > 0.0 ? 1 : -1;
-    double slip = Law_(e).SlipTorque({end_s, Twist(y_, e), 0.0, hold, own, {}}, sign);
-    if (std::abs(hold) <= std::abs(slip)) return {hold, 0.0};
-    slip = Law_(e).SlipTorque({end_s, Twist(y_, e), without + gain * slip, hold, own, {}}, sign);
-    return {std::copysign(std::min(std::abs(slip), std::abs(hold)), hold), 0.0};  // friction never drives
+    const double limit = slip(end_s, y_, 0.0, hold, sign);
+    if (std::abs(hold) <= std::abs(limit)) return with(hold);
+    const double after = slip(end_s, y_, left(limit), hold, sign);
+    return with(std::copysign(std::min(std::abs(after), std::abs(hold)), hold));  // friction never drives
+  }
+
+  /// The share of a substep at which a speed is zero that goes from `begin` to `end` with the mean `mean`: that of the
+  /// parabola. 0 or 1 where it is next to either, or does not change its sign.
+  static double StopOf(double begin, double end, double mean) {
+    if (end * begin > 0.0) return 0.0;
+    double at = begin / (begin - end);
+    const double slope = 6.0 * mean - 4.0 * begin - 2.0 * end, bend = 3.0 * (begin + end) - 6.0 * mean;
+    for (int i = 0; i < 3; ++i) {  // Newton's steps from the straight line
+      const double falls = slope + 2.0 * bend * at;
+      if (falls * begin >= 0.0) break;
+      at = std::clamp(at - (begin + (slope + bend * at) * at) / falls, 0.0, 1.0);
+    }
+    return at < kLeastShare ? 0.0 : at > 1.0 - kLeastShare ? 1.0 : at;
   }
 
   void Substep(Frame& frame, const Step& step, double time_s, int number) {
@@ -442,7 +495,7 @@ class RealtimeSolver : public Solver {
     }
     for (std::size_t i = 0; i < v0_.size(); ++i) v0_[i] = held_[i] + ramp_[i];  // the next substep goes on from there
     for (std::size_t e = 0; e < channels; ++e) {
-      if (Switches(e)) v0_[reads + e] = ends_[e];
+      v0_[reads + e] = ends_[e];
       Torque(frame)[e] = v0_[reads + e];
     }
   }
@@ -466,23 +519,21 @@ class RealtimeSolver : public Solver {
     const std::size_t column = group_.reads.size() + e;
     const std::span<double> own = OwnStates(frame, e);
     std::copy_n(states_.begin() + channel.state, channel.states, own.begin());
+    const double h = step.length_s;
+    Line torque;
     if (channel.switches) {
       std::copy_n(modes_.begin() + channel.mode, channel.modes, OwnModes(frame, e).begin());
-      ends_[e] = Switch(e, time_s, step.length_s, v0_[column], own, OwnModes(frame, e), held_[column], ramp_[column]);
-      return;
-    }
-    AdvanceLaw(e, time_s, step.length_s, own);
-    if (Law_(e).sticks()) {
-      const auto row = static_cast<Eigen::Index>(group_.writes.size() + 2 * e + 1);
-      const double gain = step.propagator.held_gain()(row, column),
-                   ramp_gain = step.propagator.ramp_gain()(row, column);
-      const double without = Rate(y_, e) - gain * held_[column] - ramp_gain * ramp_[column];
-      const Straight torque = StickOrSlip(e, time_s, step.length_s, without, gain, ramp_gain, own);
-      held_[column] = torque.begin;
-      ramp_[column] = torque.change;
+      torque = Switch(e, time_s, h, v0_[column], own, OwnModes(frame, e));
     } else {
-      ramp_[column] = BeyondLinear(e, time_s + step.length_s, y_, own) - v0_[column];
+      AdvanceLaw(e, time_s, h, own);
+      const std::size_t row = group_.writes.size() + 2 * e;
+      torque = Law_(e).sticks() ? StickOrSlip(e, time_s, h, ReachOf(step.propagator, row + 1, column),
+                                              ReachOf(step.propagator, row, column), own)
+                                : LineOf(v0_[column], BeyondLinear(e, time_s + h, y_, own));
     }
+    held_[column] = torque.held;
+    ramp_[column] = torque.ramp;
+    ends_[e] = torque.end;
   }
 
   /// y += gain's column of an input times `amount`, from row `first` on.
