@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/fit.h"
+#include "diagnosis/shake.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
 #include "tests/diagnosis/made_record.h"
@@ -30,14 +31,18 @@ class SlowPolish : public testing::Test {
   }
 
   /// The record of a machine whose shaft k3 is softer than it should be, with noise.
-  Study Measured(double delta) {
+  Study Measured(double delta) { return Measured(Softer(delta), 4); }
+  /// That of a machine with an effect, simulated with so many substeps.
+  Study Measured(const Assumed& effect, int substeps) {
     MappedRecord silent = record_;
     for (const char* output : {"T_shaft", "omega_1"})
       silent.outputs[output] = {time_, Shared(std::vector<double>(kRows, 1.0))};
     const Study study(*plan_, {silent}, registry_);
     Hypothesis truth = study.Nominal();
-    truth.effects = {Softer(delta)};
-    const Result<Eigen::VectorXd> clean = study.Predict(truth);
+    truth.effects = {effect};
+    Plan plan = study.PlanOf(truth);
+    SetSubsteps(plan, substeps);
+    const Result<Eigen::VectorXd> clean = study.PredictPlan(plan);
     EXPECT_TRUE(clean.ok());
     std::uint64_t stream = 2;
     for (const Channel& channel : study.channels()) {
@@ -69,6 +74,22 @@ TEST_F(SlowPolish, FindsBackAlongACurvedValley) {
   ASSERT_TRUE(fit.ok()) << fit.broken;
   EXPECT_NEAR(fit.hypothesis.effects[0].parameters[0], -0.2, 0.004);
   EXPECT_LT(Farthest(study, fit), 1.8);
+}
+
+// With friction that sticks and slips lies minimum beside minimum, and the way down ends in the nearest one.
+TEST_F(SlowPolish, FrictionIsShakenDownToTheTruth) {
+  const Assumed truth = {registry_.FindEffect("coulomb_friction"), *ParsePlace("inertia:I4"), {15.4}};
+  const Study study = Measured(truth, 32);
+  Hypothesis beside = study.Nominal();
+  beside.effects = {truth};
+  const Fit true_one = FitAt(study, beside);
+  beside.effects[0].parameters = {15.398};
+  const Fitter fitter(study, WhitenerOf(study, true_one, 0));
+  const Fit caught = fitter.Polish(FitAt(study, beside), 20);
+  ASSERT_TRUE(caught.ok()) << caught.broken;
+  const Fit found = Shaken(study, fitter, caught, 12);
+  EXPECT_LT(found.chi2, caught.chi2 - 100.0);  // 413 of 27755: what no number of a richer law may be thanked for
+  EXPECT_NEAR(found.hypothesis.effects[0].parameters[0], 15.4, 0.004);
 }
 
 // A parameter at its bound that wants further out stays there, and the others find their best without it.
