@@ -64,8 +64,7 @@ class Searching {
     std::vector<Fit> fits = FitBest(Fitter(*study_, whitener), base, "one effect", 0.05, 0.5);
     std::vector<Structure> structure;
     const bool lost = fits.empty() && AnyFound(StructureOf(null));
-    const bool slips = options_.suspects.empty() &&
-                       (lost || (!fits.empty() && IsDryFriction(*fits.front().hypothesis.effects.back().effect)));
+    const bool slips = options_.suspects.empty() && (lost || (!fits.empty() && Rubs(fits.front())));
     if (slips) {
       const Result<bool> explained = FromTheBeginning(std::nullopt, fits, null, structure);
       if (!explained.ok()) return explained.failure();

@@ -3,10 +3,9 @@
 // change straight from their value at its beginning to that at its end, which a fixed number of correction sweeps finds
 // (second order). Friction that slips on does so too; where the motion stops its torque jumps there, to the value that
 // keeps it at rest until the end or, beyond its limit, slips the other way (time stepping with the set-valued law: no
-// chatter). A law with modes that do
-// not stick (contact) may change its mode once in a substep, at the zero of its guard: along the cubic of the twist its
-// torque enters with its right mean and first moment, before and behind the jump (fourth order). Nothing is allocated
-// in a step.
+// chatter). A law with modes that do not stick (contact) may change its mode once in a substep, at the zero of its
+// guard: along the cubic of the twist its torque enters with its right mean and first moment, before and behind the
+// jump (fourth order). Nothing is allocated in a step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -334,9 +333,7 @@ class RealtimeSolver : public Solver {
     double guard[2] = {begin_guards_[e], 0.0};
     const Course whole = Run(e, time_s, h, 0.0, 1.0, begin, own, modes);
     law.Guards(Between(e, time_s, h, 1.0, own, modes), {&guard[1], 1});
-    if (guard[0] > 0.0 && guard[1] > 0.0) {
-      return LineOf(whole, Course::Flat(whole.end), 1.0);
-    }
+    if (guard[0] > 0.0 && guard[1] > 0.0) return LineOf(whole, Course::Flat(whole.end), 1.0);
     // The zero of the guard by false position, bracketed; the guard is smooth within a mode.
     double low = 0.0, high = 1.0, at = guard[0] <= 0.0 ? 0.0 : guard[0] / (guard[0] - guard[1]);
     for (int i = 0; i < 3 && at > 0.0; ++i) {
