@@ -74,6 +74,7 @@ void Contest::Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   if (fits.empty()) return;
   Race(fits, null);
   if (fits.empty()) return;
+  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front())) Regrow(entrants, fits);
   Challenge(entrants, fits);
   {
     // With the noise's colour taken from the best fit differences count by their weight against the noise.
@@ -180,6 +181,31 @@ bool Contest::AtFloor(const Fit& fit) const {
     const auto rows = residual.segment(channel.begin, channel.count);
     return RmsOf(rows) < kNear * HighFrequencyFloor(rows);
   });
+}
+
+/// Where nobody comes to the noise: the first entrants begin anew, at the sizes at which they entered and on parts that
+/// grow. Fitted to all of a line that rings out of step they may have left a size that was right.
+void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits) {
+  constexpr std::size_t kRegrown = 3;
+  const Fitter fitter(study_, WhitenerOf(study_, fits.front(), 0));
+  Sort(fitter, fits);
+  for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()); ++k) {
+    Fit fit;
+    fit.hypothesis = study_.Nominal();
+    fit.hypothesis.effects = {entrants[k]};
+    step_("from a short part: " + fit.Name(), 0.6);
+    fit = Grown(fit, fitter);
+    if (!fit.ok() || fit.predicted.size() == 0) continue;
+    const bool explains = AtFloor(fit);
+    const auto known =
+        std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
+    if (known != fits.end())
+      KeepBetter(*known, std::move(fit));
+    else
+      fits.push_back(std::move(fit));
+    if (explains) break;
+  }
+  BestFirst(fits);
 }
 
 /// Who could do the same beside the doubts as the best one leaves them?

@@ -44,6 +44,7 @@ class Contest {
   bool MovesModes(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;
+  void Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits);
   void Challenge(const std::vector<Assumed>& entrants, std::vector<Fit>& fits);
   std::vector<Assumed> ChallengersOf(const std::vector<Assumed>& entrants, const std::vector<Fit>& fits) const;
   void Answer(const Fitter& fitter, Fit fit, std::vector<Fit>& fits);

@@ -45,6 +45,7 @@ std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study&
   const std::vector<Hypothesis> causes = first.Causes();
   if (causes.empty() || causes.front().effects.front().effect != followed.hypothesis.effects.front().effect)
     return std::nullopt;
+  first.Widen(followed.drift);
   if (until < 1.0) {
     first.Note(
         fmt::format("only the first {:.3g} s of the data count: with play the motion is chaotic, and no free run "

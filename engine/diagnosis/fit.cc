@@ -371,4 +371,18 @@ void Fitter::Derive(Fit& fit) const {
                    scale.asDiagonal();
 }
 
+Fit ToItsPlace(const Study& study, Fit fit) {
+  constexpr double kWorthIt = 0.5;  // of chi2
+  for (int k = 0; k < 8 && fit.ok(); ++k) {
+    const Fitter fitter(study, WhitenerOf(study, fit));
+    fitter.Weigh(fit);
+    const double before = fit.chi2;
+    Fit on = fitter.Polish(fit, 4);
+    if (!on.ok() || !(on.chi2 <= before)) break;
+    fit = std::move(on);
+    if (before - fit.chi2 < kWorthIt) break;
+  }
+  return fit;
+}
+
 }  // namespace dynoproof::diagnosis

@@ -122,4 +122,8 @@ class Fitter {
   Whitener whitener_;
 };
 
+/// Polished under its own noise as long as there is anything to gain: an interval about a place that is not the best
+/// one would be none.
+Fit ToItsPlace(const Study& study, Fit fit);
+
 }  // namespace dynoproof::diagnosis

@@ -11,12 +11,13 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kStride = 1.25;       // from one part to the next
+constexpr double kStride = 1.25;       // from one part to the next ...
+constexpr double kShortest = 1.02;     // ... and where need be
 constexpr std::size_t kFollowed = 32;  // hypotheses that go on
 constexpr double kAtFloor = 2.0;       // times the noise of the highest frequencies, which 80 samples tell to a third
 constexpr double kAlone = 200.0;       // -2 log likelihood ahead of all others: alone from there on
+constexpr double kStruggles = 1.3;     // times the noise: the leader gets more time, and its relatives are asked
 // With relatives:
-constexpr double kStruggles = 1.3;   // times the noise: they are asked
 constexpr double kLost = 6.0;        // times the noise: a slip that comes a little late is over soon, all this is not
 constexpr double kOffTheLine = 8.0;  // spreads of a nominal value: it is the doubts that explain the records
 
@@ -56,18 +57,81 @@ void Thin(std::vector<Follower>& followers, bool relatives) {
   followers = std::move(kept);
 }
 
-/// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well.
+/// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well, or the
+/// machine's nominal values, of which a short beginning tells little: what moves slowly is not chaotic.
 bool Forgets(const Study& study, const Hypothesis& hypothesis) {
-  const Result<Eigen::VectorXd> coarse = study.Predict(hypothesis), fine = study.PredictFiner(hypothesis);
-  if (!coarse.ok() || !fine.ok()) return false;
-  constexpr double kComparable = 0.3;
-  const Eigen::VectorXd left = study.measured() - *coarse, moved = *fine - *coarse;
-  return std::all_of(study.channels().begin(), study.channels().end(), [&](const Channel& c) {
+  Hypothesis doubted = hypothesis;
+  const std::vector<double> freedom = FreedomOf(study, hypothesis.effects);
+  for (std::size_t i = 0; i < freedom.size(); ++i) {
+    if (!study.doubts()[i].start) doubted.z[i] += freedom[i];
+  }
+  const Result<Eigen::VectorXd> coarse = study.Predict(hypothesis), fine = study.PredictFiner(hypothesis),
+                                beside = study.Predict(doubted);
+  if (!coarse.ok() || !fine.ok() || !beside.ok()) return false;
+  constexpr double kComparable = 0.3, kSlow = 0.1;
+  const Eigen::VectorXd left = study.measured() - *coarse, moved = *fine - *coarse, doubt = *beside - *coarse;
+  bool chaotic = false;
+  const bool told = std::all_of(study.channels().begin(), study.channels().end(), [&](const Channel& c) {
     const auto rows = left.segment(c.begin, c.count);
-    const double missed = RmsOf(rows);
-    return missed < kAtFloor * HighFrequencyFloor(rows) ||
-           RmsOf(moved.segment(c.begin, c.count)) > kComparable * missed;
+    const double missed = RmsOf(rows), by_doubt = RmsOf(doubt.segment(c.begin, c.count));
+    const bool by_step = RmsOf(moved.segment(c.begin, c.count)) > kComparable * missed;
+    chaotic = chaotic || by_step;
+    return by_step || missed < kAtFloor * HighFrequencyFloor(rows) ||
+           (missed < by_doubt && by_doubt < kSlow * c.spread);
   });
+  return told && chaotic;
+}
+
+/// At its place on the part that it was followed through, with its covariance.
+Fit Settled(const Study& study, const Followed& way) {
+  const Study here = study.Part(way.share);
+  Fit fit = ToItsPlace(here, FitAt(here, way.hypothesis));
+  if (fit.ok()) Fitter(here, WhitenerOf(here, fit)).Derive(fit);
+  return fit;
+}
+
+/// Whether what `longer` says of the effects lies within what `shorter` has left open.
+bool Sharpens(const Fit& longer, const Fit& shorter) {
+  constexpr double kSpreads = 3.0;
+  const std::vector<Assumed>&one = longer.hypothesis.effects, &other = shorter.hypothesis.effects;
+  Eigen::Index k = 0;
+  for (std::size_t e = 0; e < other.size(); ++e) {
+    if (one[e].effect != other[e].effect || !(one[e].place == other[e].place)) return false;
+    for (std::size_t i = 0; i < other[e].parameters.size(); ++i, ++k) {
+      const double open = kSpreads * std::sqrt(std::max(0.0, shorter.covariance(k, k)));
+      if (std::abs(one[e].parameters[i] - other[e].parameters[i]) > open) return false;
+    }
+  }
+  return true;
+}
+
+/// Of the last of `ways`, see Followed; parts shorter than `from` tell too little.
+std::vector<double> DriftOf(const std::vector<Followed>& ways, double from) {
+  const std::vector<double>& last = ways.back().hypothesis.effects.front().parameters;
+  std::vector<double> drift(last.size(), 0.0);
+  for (const Followed& way : ways) {
+    const Assumed& effect = way.hypothesis.effects.front();
+    if (way.share < from || effect.parameters.size() != last.size()) continue;
+    for (std::size_t i = 0; i < last.size(); ++i)
+      drift[i] = std::max(drift[i], std::abs(effect.parameters[i] - last[i]));
+  }
+  return drift;
+}
+
+/// The longest of `ways` (each a stride longer than the one before) that says what the one before does, only sharper.
+/// The longer motion that is chaotic, the narrower the valley in which the fit has to be: from some length on it is
+/// caught elsewhere on the way down, and its interval is about a place that means nothing.
+Followed Consistent(const Study& study, std::vector<Followed> ways, double from) {
+  Fit last = Settled(study, ways.back());
+  while (ways.size() > 1) {
+    Fit before = Settled(study, ways[ways.size() - 2]);
+    if (last.ok() && before.ok() && Sharpens(last, before)) break;
+    ways.pop_back();
+    last = std::move(before);
+  }
+  if (last.ok()) ways.back().hypothesis = last.hypothesis;
+  ways.back().drift = DriftOf(ways, from);
+  return std::move(ways.back());
 }
 
 }  // namespace
@@ -107,9 +171,10 @@ std::vector<Follower> FittedBeside(const Study& here, const Hypothesis& about, c
 
 std::optional<Followed> Follow(const Study& study, double first, std::vector<Hypothesis> starts,
                                const std::function<void(double)>& progress, const Relatives& relatives) {
-  std::optional<Followed> found;
+  std::vector<Followed> ways;  // each a stride longer than the one before
+  double stride = kStride, share = first;
   double over = std::numeric_limits<double>::infinity();  // of the leader
-  for (double share = first; !starts.empty(); share = std::min(1.0, kStride * share)) {
+  while (!starts.empty()) {
     progress(std::log(share / first) / std::log(1.0 / first));
     const Study here = study.Part(share);
     std::vector<Follower> followers;
@@ -120,22 +185,32 @@ std::optional<Followed> Follow(const Study& study, double first, std::vector<Hyp
       BestFirst(followers);
     };
     fit(starts, 5);
-    if (relatives && !followers.empty() && followers.front().over > std::max(over, kStruggles)) {
+    if (!followers.empty() && followers.front().over > std::max(relatives ? over : 0.0, kStruggles)) {
       const Hypothesis leader = followers.front().fit.hypothesis;
       fit({leader}, 12);
-      fit(relatives(here, leader), 12);
+      if (relatives) fit(relatives(here, leader), 12);
     }
     Thin(followers, static_cast<bool>(relatives));
-    if (followers.empty() || followers.front().over > (relatives ? kLost : kAtFloor)) break;
+    if (followers.empty() || followers.front().over > (relatives ? kLost : kAtFloor)) {
+      // So many impacts more may be too much at once.
+      stride = 1.0 + 0.5 * (stride - 1.0);
+      if (relatives || ways.empty() || stride < kShortest) break;
+      share = ways.back().share * stride;
+      continue;
+    }
     if (relatives && Farthest(here, followers.front().fit) > kOffTheLine) break;
     over = followers.front().over;
     starts.clear();
     for (Follower& one : followers) starts.push_back(std::move(one.fit.hypothesis));
-    found = Followed{starts.front(), {starts.begin() + 1, starts.end()}, share};
+    ways.push_back({starts.front(), {starts.begin() + 1, starts.end()}, share, {}});
     if (share == 1.0) break;
+    share = std::min(1.0, stride * share);
   }
-  if (!found || found->share < 2.0 * first || over > kAtFloor) return std::nullopt;
-  if (found->share < 1.0 && !Forgets(study, found->hypothesis)) return std::nullopt;
+  if (ways.empty() || over > kAtFloor) return std::nullopt;
+  const double least = 2.0 * first;
+  const Followed found = relatives ? std::move(ways.back()) : Consistent(study, std::move(ways), least);
+  if (found.share < least) return std::nullopt;
+  if (found.share < 1.0 && !Forgets(study, found.hypothesis)) return std::nullopt;
   return found;
 }
 

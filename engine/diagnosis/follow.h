@@ -28,6 +28,9 @@ struct Followed {
   Hypothesis hypothesis;
   std::vector<Hypothesis> alike;  // others that came as far and may still be as good, the best first
   double share = 0.0;             // of the study's records that a free run predicts to the noise; 1: all of them
+  /// How far off its numbers were on shorter parts, in the effect's units: where motion is chaotic a fit comes to rest
+  /// beside its place, and may be as far off itself. Empty with relatives.
+  std::vector<double> drift;
 };
 /// Hypotheses akin to the one that leads on the beginning `here`, for where it comes short.
 using Relatives = std::function<std::vector<Hypothesis>(const Study& here, const Hypothesis& leader)>;

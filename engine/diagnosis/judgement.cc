@@ -239,7 +239,8 @@ void Judgement::ReportEffects(const std::vector<Fit>& fits) {
     found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
       const EffectParameter& p = assumed.effect->info().parameters[i];
-      const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k))) + bias[k];
+      const double drift = result_.effects.size() == 1 && i < drift_.size() ? drift_[i] : 0.0;
+      const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k))) + bias[k] + drift;
       found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
                                   std::max(p.lower, assumed.parameters[i] - half),
                                   std::min(p.upper, assumed.parameters[i] + half)});

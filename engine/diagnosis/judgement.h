@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/diagnose.h"
@@ -25,6 +26,8 @@ class Judgement {
   bool LeavesStructure() const { return result_.verdict == Verdict::kUnexplained && !result_.at_noise_floor; }
   /// Those that account for the data, best first; none: nothing does, or nothing has to.
   std::vector<Hypothesis> Causes() const;
+  /// The best effect's intervals are wider by so much to either side, by parameter.
+  void Widen(std::vector<double> drift) { drift_ = std::move(drift); }
   void Note(std::string note) { result_.notes.push_back(std::move(note)); }
 
   /// The verdict with what it gains, and the files. Last call.
@@ -52,6 +55,7 @@ class Judgement {
   std::vector<std::size_t> alike_;
   std::vector<std::string> also_;  // nominal values that account for the data alike
   std::vector<double> floor_;
+  std::vector<double> drift_;  // of the best effect's parameters, see Widen()
 };
 
 }  // namespace dynoproof::diagnosis

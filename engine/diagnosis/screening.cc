@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "diagnosis/noise.h"
 #include "diagnosis/parallel.h"
 
 namespace dynoproof::diagnosis {
@@ -25,6 +26,7 @@ class Look {
     if (at.ok()) predicted_ = *at;
     error_ = fitter.whitener()(study.measured() - predicted_);
     freed_error_ = FreeError(projection_);
+    power_ = PowerOf(base.predicted);
   }
 
   Screened At(const Candidate& candidate, double threshold) const {
@@ -42,10 +44,15 @@ class Look {
     const Projection& projection = own ? *own : projection_;
     const auto take = [&](const Fit& fit) {
       best.simulations += fit.simulations;
-      if (!fit.ok() || !(fit.criterion < best.criterion)) return;
+      if (!fit.ok()) return;
+      const double left = PowerOf(fit.predicted) / power_;
+      const bool better = fit.criterion < best.criterion;
+      if (std::min(left, best.left) < kExplains ? left < best.left : better)
+        best.parameters = fit.hypothesis.effects.back().parameters;
+      best.left = std::min(best.left, left);
+      if (!better) return;
       best.chi2 = fit.chi2;
       best.criterion = fit.criterion;
-      best.parameters = fit.hypothesis.effects.back().parameters;
     };
     const auto evaluate = [&](const std::vector<double>& parameters) {
       std::vector<Assumed> effects = base_.hypothesis.effects;
@@ -92,6 +99,18 @@ class Look {
   }
 
  private:
+  /// Of what a prediction leaves, in units of the noise's highest frequencies by channel.
+  double PowerOf(const Eigen::VectorXd& predicted) const {
+    const Eigen::VectorXd left = study_.measured() - predicted;
+    double power = 0.0;
+    for (const Channel& c : study_.channels()) {
+      const auto rows = study_.measured().segment(c.begin, c.count);
+      power += left.segment(c.begin, c.count).squaredNorm() /
+               std::pow(std::max(HighFrequencyFloor(rows), 1e-9 * c.nominal), 2);
+    }
+    return power;
+  }
+
   /// What the doubts leave of the base's error, and what they cost.
   Eigen::VectorXd FreeError(const Projection& projection) const {
     return projection.Residual(error_, projection.Shift(error_));
@@ -213,6 +232,7 @@ class Look {
   const Plan plan_;  // of the base
   Projection projection_;
   Eigen::VectorXd predicted_, error_, freed_error_;
+  double power_ = 0.0;  // of what the base leaves
 };
 
 }  // namespace
@@ -259,8 +279,10 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
   for (const std::vector<std::size_t>* which : {&first, &second}) {
     for (const std::size_t i : *which) screened.push_back(std::move(all[i]));
   }
-  std::stable_sort(screened.begin(), screened.end(),
-                   [](const Screened& a, const Screened& b) { return a.criterion < b.criterion; });
+  std::stable_sort(screened.begin(), screened.end(), [](const Screened& a, const Screened& b) {
+    if (std::min(a.left, b.left) < kExplains) return a.left < b.left;
+    return a.criterion < b.criterion;
+  });
   return screened;
 }
 

@@ -30,7 +30,8 @@ class Searching {
   Searching(const Study& study, const std::vector<MappedRecord>& data, double training_share,
             const SearchOptions& options)
       : whole_(study),
-        part_(study.Part(PartShare(study), Rough(study.plan()))),
+        // Suspects were followed as the plan has it: where motion is chaotic, coarser steps lead elsewhere.
+        part_(study.Part(PartShare(study), options.suspects.empty() ? Rough(study.plan()) : study.plan())),
         study_(&part_),
         short_(Rough(study.plan()), data, study.registry(), ShortShare(data, training_share), study.decompositions()),
         options_(options),
@@ -213,7 +214,9 @@ class Searching {
     std::vector<Screened> screened = Screen(short_, fitter, fit, found_.candidates, threshold, [&](double done) {
       Step("screening, " + what, begin + (end - begin) * done);
     });
-    for (Screened& one : screened) one.promising = std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold;
+    for (Screened& one : screened) {
+      one.promising = one.left < kExplains || (std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold);
+    }
     return screened;
   }
 
@@ -221,21 +224,6 @@ class Searching {
   Fit ToTheEnd(Fit fit, int rounds) const {
     for (const int order : {0, Whitener::kOrder})
       fit = Fitter(*study_, WhitenerOf(*study_, fit, order)).Polish(std::move(fit), rounds);
-    return fit;
-  }
-
-  /// As long as there is anything to gain: an interval about a place that is not the best one would be none.
-  Fit ToItsPlace(Fit fit) const {
-    constexpr double kWorthIt = 0.5;  // of chi2
-    for (int k = 0; k < 8 && fit.ok(); ++k) {
-      const Fitter fitter(*study_, WhitenerOf(*study_, fit));
-      fitter.Weigh(fit);
-      const double before = fit.chi2;
-      Fit on = fitter.Polish(fit, 4);
-      if (!on.ok() || !(on.chi2 <= before)) break;
-      fit = std::move(on);
-      if (before - fit.chi2 < kWorthIt) break;
-    }
     return fit;
   }
 
@@ -287,7 +275,7 @@ class Searching {
   Fit OneOf(const Fit& pair, const Fitter& fitter, Fit single) const {
     for (std::size_t e = 0; e < pair.hypothesis.effects.size() && pair.hypothesis.effects.size() > 1; ++e) {
       Fit fit = FitAt(*study_, Without(pair.hypothesis, e));
-      if (fit.ok()) fit = ToItsPlace(std::move(fit));
+      if (fit.ok()) fit = ToItsPlace(*study_, std::move(fit));
       if (!fit.ok()) continue;
       fitter.Weigh(fit);
       if (fit.criterion < single.criterion) single = std::move(fit);
@@ -413,7 +401,7 @@ class Searching {
     };
     for (std::size_t k = 0; k < fits.size(); ++k) carry(fits[k], k > 0 && fits[0].ok() ? &fits[0] : nullptr);
     if (!fits.empty() && fits[0].ok()) {
-      fits[0] = ToItsPlace(std::move(fits[0]));
+      fits[0] = ToItsPlace(*study_, std::move(fits[0]));
       if (Rubs(fits[0])) {
         const Fitter fitter(*study_, WhitenerOf(*study_, fits[0]));
         fits[0] = Shaken(*study_, fitter, std::move(fits[0]), kShakes);
