@@ -186,7 +186,7 @@ bool Contest::AtFloor(const Fit& fit) const {
 /// Where nobody comes to the noise: the first entrants begin anew, at the sizes at which they entered and on parts that
 /// grow. Fitted to all of a line that rings out of step they may have left a size that was right.
 void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits) {
-  constexpr std::size_t kRegrown = 3;
+  constexpr std::size_t kRegrown = 4;
   const Fitter fitter(study_, WhitenerOf(study_, fits.front(), 0));
   Sort(fitter, fits);
   for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()); ++k) {

@@ -50,8 +50,8 @@ SavedFits::SavedFits(std::string file, bool resume, const Study& study)
       std::vector<Screened> screened;
       for (const json& one : list) {
         screened.push_back({one.at("candidate"), one.at("parameters"), NumberOf(one.at("chi2")),
-                            NumberOf(one.at("criterion")), one.at("left"), NumberOf(one.at("smallest")), 0,
-                            one.at("promising")});
+                            NumberOf(one.at("criterion")), one.at("left"), one.at("closest"),
+                            NumberOf(one.at("smallest")), 0, one.at("promising")});
       }
       screenings_.emplace_back(stage, std::move(screened));
     }
@@ -104,6 +104,7 @@ void SavedFits::Write() const {
                      {"chi2", Finite(one.chi2)},
                      {"criterion", Finite(one.criterion)},
                      {"left", one.left},
+                     {"closest", one.closest},
                      {"smallest", Finite(one.smallest)},
                      {"promising", one.promising}});
     }

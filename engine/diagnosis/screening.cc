@@ -45,14 +45,15 @@ class Look {
     const auto take = [&](const Fit& fit) {
       best.simulations += fit.simulations;
       if (!fit.ok()) return;
-      const double left = PowerOf(fit.predicted) / power_;
-      const bool better = fit.criterion < best.criterion;
-      if (std::min(left, best.left) < kExplains ? left < best.left : better)
-        best.parameters = fit.hypothesis.effects.back().parameters;
-      best.left = std::min(best.left, left);
-      if (!better) return;
+      const std::vector<double>& parameters = fit.hypothesis.effects.back().parameters;
+      if (const double left = PowerOf(fit.predicted) / power_; left < best.left) {
+        best.left = left;
+        best.closest = parameters;
+      }
+      if (!(fit.criterion < best.criterion)) return;
       best.chi2 = fit.chi2;
       best.criterion = fit.criterion;
+      best.parameters = parameters;
     };
     const auto evaluate = [&](const std::vector<double>& parameters) {
       std::vector<Assumed> effects = base_.hypothesis.effects;
@@ -279,10 +280,8 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
   for (const std::vector<std::size_t>* which : {&first, &second}) {
     for (const std::size_t i : *which) screened.push_back(std::move(all[i]));
   }
-  std::stable_sort(screened.begin(), screened.end(), [](const Screened& a, const Screened& b) {
-    if (std::min(a.left, b.left) < kExplains) return a.left < b.left;
-    return a.criterion < b.criterion;
-  });
+  std::stable_sort(screened.begin(), screened.end(),
+                   [](const Screened& a, const Screened& b) { return a.criterion < b.criterion; });
   return screened;
 }
 

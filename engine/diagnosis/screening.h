@@ -14,19 +14,16 @@ struct Screened {
   std::size_t candidate = 0;
   std::vector<double> parameters;  // where to search on
   double chi2 = 0.0, criterion = 0.0;
-  double left = 1.0;  // of the base's residual power, whatever the colour of the noise
+  double left = 1.0;            // of the base's residual power at best, whatever the colour of the noise ...
+  std::vector<double> closest;  // ... and where; empty: nowhere less than the base leaves
   /// Smallest first strength whose signature would stand out, in the parameter's unit; NaN: not defined.
   double smallest = 0.0;
   int simulations = 0;
   bool promising = false;  // gained enough to be fitted fully
 };
 
-/// What explains most of the residual at its first sizes, whether or not the rest agrees with the noise as it seems:
-/// the noise's colour is taken from what the doubts leave, which is the effect itself as long as nobody explains it.
-inline constexpr double kExplains = 0.25;  // of its power is left
-
-/// Screens the candidates on top of `base` (its effects and doubts). Those that explain most first, by what they leave,
-/// then by criterion; candidates that cannot be simulated are left out. `threshold`: gain of chi2 that counts as seen.
+/// Screens the candidates on top of `base` (its effects and doubts). Sorted by criterion, best first; candidates that
+/// cannot be simulated are left out. `threshold`: gain of chi2 that counts as seen.
 std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit& base,
                              const std::vector<Candidate>& candidates, double threshold,
                              const std::function<void(double)>& progress);

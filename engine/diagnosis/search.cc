@@ -159,17 +159,17 @@ class Searching {
     for (const Screened& one : screened_) simulations_ += one.simulations;
     if (base.hypothesis.effects.empty()) found_.screened = screened_;
     std::vector<Fit> fits;
-    for (const Screened& one : screened_) {
-      if (!one.promising || fits.size() == kFullFits) break;
-      const Candidate& candidate = found_.candidates[one.candidate];
+    const std::vector<Assumed> entrants = EntrantsOf(screened_);
+    const std::size_t most = std::min(entrants.size(), kFullFits + ByPower(screened_).size());
+    for (std::size_t k = 0; k < most; ++k) {
       std::vector<Assumed> effects = base.hypothesis.effects;
       if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
-            return assumed.effect == candidate.effect && assumed.place == candidate.place;
+            return assumed.effect == entrants[k].effect && assumed.place == entrants[k].place;
           }))
         continue;
-      effects.push_back(candidate.At(one.parameters));
-      Step("fitting " + candidate.ToString(),
-           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(fits.size()) / kFullFits));
+      effects.push_back(entrants[k]);
+      Step("fitting " + entrants[k].ToString(),
+           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(k) / static_cast<double>(most)));
       // Its own size first, beside doubts that follow linearly: the screening saw it at a small one.
       if (!saved_.Recall(effects)) {
         const Fit sized = fitter.Optimise(effects, base.doubts, 8);
@@ -180,15 +180,33 @@ class Searching {
       ++simulations_;
       if (!fit.ok()) continue;
       fitter.Weigh(fit);
-      fits.push_back(std::move(fit));
+      const auto known =
+          std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
+      if (known == fits.end())
+        fits.push_back(std::move(fit));
+      else
+        KeepBetter(*known, std::move(fit));
     }
     BestFirst(fits);
     return fits;
   }
 
-  /// The promising ones at the sizes that the screening saw.
+  /// Who explains most of the residual's power at once, the best two. By the noise's colour they may look like nothing:
+  /// that is taken from the residual, which is the effect itself until somebody explains it.
+  std::vector<Assumed> ByPower(std::vector<Screened> screened) const {
+    constexpr double kExplains = 0.25;  // of the power is left
+    std::erase_if(screened, [](const Screened& one) { return !(one.left < kExplains); });
+    std::stable_sort(screened.begin(), screened.end(),
+                     [](const Screened& a, const Screened& b) { return a.left < b.left; });
+    std::vector<Assumed> best;
+    for (std::size_t k = 0; k < std::min<std::size_t>(2, screened.size()); ++k)
+      best.push_back(found_.candidates[screened[k].candidate].At(screened[k].closest));
+    return best;
+  }
+
+  /// These and the promising ones, at the sizes that the screening saw.
   std::vector<Assumed> EntrantsOf(const std::vector<Screened>& screened) const {
-    std::vector<Assumed> entrants;
+    std::vector<Assumed> entrants = ByPower(screened);
     for (const Screened& one : screened) {
       if (!one.promising) break;
       entrants.push_back(found_.candidates[one.candidate].At(one.parameters));
@@ -214,9 +232,7 @@ class Searching {
     std::vector<Screened> screened = Screen(short_, fitter, fit, found_.candidates, threshold, [&](double done) {
       Step("screening, " + what, begin + (end - begin) * done);
     });
-    for (Screened& one : screened) {
-      one.promising = one.left < kExplains || (std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold);
-    }
+    for (Screened& one : screened) one.promising = std::isfinite(one.chi2) && fit.chi2 - one.chi2 >= 0.3 * threshold;
     return screened;
   }
 
