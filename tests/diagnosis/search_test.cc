@@ -1,0 +1,89 @@
+// Who is found first decides who is found: ways on which a right cause could get lost.
+#include "diagnosis/search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "diagnosis/candidates.h"
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+#include "tests/blind/independent_line.h"
+#include "tests/diagnosis/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr std::size_t kRows = 14001;
+constexpr double kNoise = 0.003;  // of each signal
+
+class SlowSearch : public testing::Test {
+ protected:
+  SlowSearch() {
+    RegisterBuiltIns(registry_);
+    Diagnostics diagnostics;
+    plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
+  }
+
+  /// 1.4 s of a line that no engine code simulated, with noise.
+  std::vector<MappedRecord> Measured(const blind::IndependentLine& line) const {
+    std::vector<double> torque = blind::IndependentTorque(kRows, 7);
+    const blind::IndependentLine::Output output = line.Run(torque);
+    MappedRecord record;
+    const auto time = Shared(Times(kRows));
+    record.inputs["T_airgap"] = {time, Shared(std::move(torque))};
+    record.outputs["T_shaft"] = {time, Noisy(output.T_shaft, kNoise, 2)};
+    record.outputs["omega_1"] = {time, Noisy(output.omega_1, kNoise, 3)};
+    record.end_s = time->back();
+    return {record};
+  }
+
+  Result<Found> FoundIn(const std::vector<MappedRecord>& records) const {
+    const std::filesystem::path saved = std::filesystem::path(testing::TempDir()) / "search_test_state.json";
+    return Search(Study(*plan_, records, registry_), records, 1.0, {saved.string(), false, [](auto&&...) {}});
+  }
+
+  Registry registry_;
+  std::optional<Plan> plan_;
+};
+
+// Its modes shift with the amplitude. Fitted to all of a record beside nominal values that are a little off, it leaves
+// a size that was right at once.
+TEST_F(SlowSearch, ALostCubicSpringBeginsAnewOnShortParts) {
+  constexpr double kCubic = 5e13;  // N m/rad^3
+  blind::IndependentLine line;
+  line.inertia[2] *= 1.012;
+  line.inertia[3] *= 0.991;
+  line.stiffness[1] *= 0.987;
+  line.stiffness[2] *= 1.012;
+  line.stiffness[3] *= 0.99;
+  line.shaft[2] = [](double twist, double) { return kCubic * twist * twist * twist; };
+  const Result<Found> found = FoundIn(Measured(line));
+  ASSERT_TRUE(found.ok());
+  ASSERT_FALSE(found->fits.empty());
+  const Fit& best = found->fits.front();
+  ASSERT_EQ(best.Name(), "cubic_stiffness@shaft:k3");
+  EXPECT_NEAR(best.hypothesis.effects[0].parameters[0], kCubic, 0.05 * kCubic);
+}
+
+// In plain power, which knows nothing of the colour that the noise seems to have.
+TEST_F(SlowSearch, WhatExplainsMostLeavesLeast) {
+  constexpr double kDead_Nm = 100.0;
+  blind::IndependentLine line;
+  line.actuator = [](double torque) {
+    return std::abs(torque) < kDead_Nm ? 0.0 : torque - std::copysign(kDead_Nm, torque);
+  };
+  const Result<Found> found = FoundIn(Measured(line));
+  ASSERT_TRUE(found.ok());
+  const auto least = std::min_element(found->screened.begin(), found->screened.end(),
+                                      [](const Screened& a, const Screened& b) { return a.left < b.left; });
+  EXPECT_EQ(found->candidates[least->candidate].ToString(), "actuator_dead_zone@input:T_airgap");
+  EXPECT_LT(least->left, 0.1);
+  ASSERT_FALSE(found->fits.empty());
+  EXPECT_EQ(found->fits.front().Name(), "actuator_dead_zone@input:T_airgap");
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
