@@ -159,6 +159,8 @@ TEST_F(MeasuredGap, ItsDampingIsFollowedFromTheFirstImpacts) {
   EXPECT_EQ(result["effects"][0]["at"], "shaft:backlash");
   const nlohmann::json c_f = result["effects"][0]["parameters"]["c_f"];
   EXPECT_NEAR(c_f["value"], 0.1, 5e-4);  // the noise of 1 % tells it to 2e-4
+  EXPECT_LT(c_f["ci95"][0], 0.1);
+  EXPECT_GT(c_f["ci95"][1], 0.1);
   EXPECT_THAT(result["notes"].dump(), HasSubstr("only the first 0.14 s of the data count"));
   EXPECT_EQ(Call({"run", "found/extended.toml"}).exit, 0);
 }

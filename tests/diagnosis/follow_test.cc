@@ -60,6 +60,10 @@ TEST_F(SlowPlay, IsFollowedFromTheFirstImpacts) {
   EXPECT_EQ(play.ToString(), "backlash@shaft:k2");
   EXPECT_NEAR(play.parameters.at(0), kGap_rad, 0.01 * kGap_rad);  // the noise tells it to some 0.3 % by then
   EXPECT_GT(followed->share * 0.5, 0.03);                         // s: some ten times until the sides met
+  // On the parts before it lay elsewhere by no more than that.
+  ASSERT_EQ(followed->drift.size(), 1U);
+  EXPECT_GT(followed->drift[0], 0.0);
+  EXPECT_LT(followed->drift[0], 0.01 * kGap_rad);
 }
 
 TEST_F(SlowPlay, IsNotSeenInASofterShaft) {
