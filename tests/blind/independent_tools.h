@@ -42,12 +42,16 @@ inline std::vector<double> Lagged(const std::vector<double>& held, double lag_s,
   return fine;
 }
 
-/// A column between its samples: `substeps` values each, held, after a dead time.
+/// A column between its samples: `substeps` values each, held, after a dead time. Where it changes within a substep,
+/// the mean over that: a dead time need not be a number of substeps.
 inline std::vector<double> Delayed(const std::vector<double>& held, double delay_s, double period_s, int substeps) {
+  const auto last = static_cast<double>(held.size() - 1);
+  const auto sample = [&](double at) { return static_cast<std::size_t>(std::clamp(std::floor(at + 1e-9), 0.0, last)); };
   std::vector<double> fine;
   for (std::size_t i = 0; i < held.size() * substeps; ++i) {
-    const double at = std::max(0.0, static_cast<double>(i) / substeps - delay_s / period_s + 1e-9);
-    fine.push_back(held[static_cast<std::size_t>(at)]);
+    const double begin = static_cast<double>(i) / substeps - delay_s / period_s, end = begin + 1.0 / substeps;
+    const double later = std::clamp((end - std::floor(end + 1e-9)) * substeps, 0.0, 1.0);  // share after the change
+    fine.push_back((1.0 - later) * held[sample(begin)] + later * held[sample(end)]);
   }
   return fine;
 }
