@@ -74,7 +74,8 @@ void Contest::Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   if (fits.empty()) return;
   Race(fits, null);
   if (fits.empty()) return;
-  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front())) Regrow(entrants, fits);
+  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front()) && !ChangesStructure(fits.front()))
+    Regrow(entrants, fits);
   Challenge(entrants, fits);
   {
     // With the noise's colour taken from the best fit differences count by their weight against the noise.
@@ -169,6 +170,12 @@ bool Contest::MovesModes(const Fit& fit) const {
                      [&](const Doubt& doubt) { return AsDoubt(doubt, fit).has_value(); });
 }
 
+/// Whether an effect of the fit changes what the nominal values are values of, and sets them free.
+bool Contest::ChangesStructure(const Fit& fit) const {
+  const std::vector<double> freedom = FreedomOf(study_, fit.hypothesis.effects);
+  return std::any_of(freedom.begin(), freedom.end(), [](double wide) { return wide > 1.0; });
+}
+
 /// Whether a fit leaves nothing to gain for others: neither in the residual nor in what it asks of the machine.
 bool Contest::Accounts(const Fit& fit) const { return AtFloor(fit) && Farthest(study_, fit) < kStrained; }
 
@@ -184,7 +191,8 @@ bool Contest::AtFloor(const Fit& fit) const {
 }
 
 /// Where nobody comes to the noise: the first entrants begin anew, at the sizes at which they entered and on parts that
-/// grow. Fitted to all of a line that rings out of step they may have left a size that was right.
+/// grow. Fitted to all of a line that rings out of step they may have left a size that was right. Not beside a change
+/// of structure, which short parts do not tell, and which comes to its place by itself.
 void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits) {
   constexpr std::size_t kRegrown = 4;
   const Fitter fitter(study_, WhitenerOf(study_, fits.front(), 0));
@@ -193,6 +201,7 @@ void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
     Fit fit;
     fit.hypothesis = study_.Nominal();
     fit.hypothesis.effects = {entrants[k]};
+    if (ChangesStructure(fit)) continue;
     step_("from a short part: " + fit.Name(), 0.6);
     fit = Grown(fit, fitter);
     if (!fit.ok() || fit.predicted.size() == 0) continue;

@@ -42,6 +42,7 @@ class Contest {
   Fit FromItsOwn(Fit fit, const Fitter& fitter) const;
   Fit Grown(const Fit& cold, const Fitter& last);
   bool MovesModes(const Fit& fit) const;
+  bool ChangesStructure(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;
   void Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits);

@@ -86,8 +86,8 @@ std::optional<double> AsDoubt(const Doubt& doubt, const Fit& fit);
 double Farthest(const Study& study, const Fit& fit);
 
 inline constexpr double kTwoSided95 = 1.959964;  // standard deviations
-/// How far the optimum lies off for the solver's step, by parameter of all effects: laws that switch within a step are
-/// found to first order only, so half the step takes half of it away. Of a fit with its covariance.
+/// How far the optimum may lie off for the solver's step, by parameter of all effects: twice what half the step
+/// changes, as far as that is linear. Of a fit with its covariance.
 Eigen::VectorXd SolverBias(const Study& study, const Fit& fit);
 /// Whether no strength of effect number `effect` has a 95 % interval that leaves out the neutral value: what is gained
 /// then comes from computing the nominal model another way. Of a fit with its covariance; false for effects without
