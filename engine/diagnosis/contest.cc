@@ -30,6 +30,15 @@ void KeepBetter(Fit& fit, Fit other) {
   if (other.ok() && other.chi2 < fit.chi2) fit = std::move(other);
 }
 
+void TakeUp(std::vector<Fit>& fits, Fit fit) {
+  const auto known =
+      std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
+  if (known != fits.end())
+    KeepBetter(*known, std::move(fit));
+  else
+    fits.push_back(std::move(fit));
+}
+
 Contest::Contest(const Study& study, SavedFits& saved, Progress progress)
     : study_(study), saved_(saved), step_(std::move(progress)) {
   if (PredictionWindow(study.plan())) return;  // no mode is ever far out of phase
@@ -74,7 +83,8 @@ void Contest::Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   if (fits.empty()) return;
   Race(fits, null);
   if (fits.empty()) return;
-  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front()) && !ChangesStructure(fits.front()))
+  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front()) &&
+      !ChangesStructure(fits.front().hypothesis.effects.front()))
     Regrow(entrants, fits);
   Challenge(entrants, fits);
   {
@@ -170,12 +180,6 @@ bool Contest::MovesModes(const Fit& fit) const {
                      [&](const Doubt& doubt) { return AsDoubt(doubt, fit).has_value(); });
 }
 
-/// Whether an effect of the fit changes what the nominal values are values of, and sets them free.
-bool Contest::ChangesStructure(const Fit& fit) const {
-  const std::vector<double> freedom = FreedomOf(study_, fit.hypothesis.effects);
-  return std::any_of(freedom.begin(), freedom.end(), [](double wide) { return wide > 1.0; });
-}
-
 /// Whether a fit leaves nothing to gain for others: neither in the residual nor in what it asks of the machine.
 bool Contest::Accounts(const Fit& fit) const { return AtFloor(fit) && Farthest(study_, fit) < kStrained; }
 
@@ -198,20 +202,15 @@ void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   const Fitter fitter(study_, WhitenerOf(study_, fits.front(), 0));
   Sort(fitter, fits);
   for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()); ++k) {
+    if (ChangesStructure(entrants[k])) continue;
     Fit fit;
     fit.hypothesis = study_.Nominal();
     fit.hypothesis.effects = {entrants[k]};
-    if (ChangesStructure(fit)) continue;
     step_("from a short part: " + fit.Name(), 0.6);
     fit = Grown(fit, fitter);
     if (!fit.ok() || fit.predicted.size() == 0) continue;
     const bool explains = AtFloor(fit);
-    const auto known =
-        std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
-    if (known != fits.end())
-      KeepBetter(*known, std::move(fit));
-    else
-      fits.push_back(std::move(fit));
+    TakeUp(fits, std::move(fit));
     if (explains) break;
   }
   BestFirst(fits);
@@ -275,10 +274,7 @@ void Contest::Answer(const Fitter& fitter, Fit fit, std::vector<Fit>& fits) {
   fit.simulations = 0;
   fit = fitter.Polish(std::move(fit), 6);
   simulations_ += fit.simulations;
-  if (known != fits.end())
-    KeepBetter(*known, std::move(fit));
-  else if (fit.ok())
-    fits.push_back(std::move(fit));
+  if (fit.ok()) TakeUp(fits, std::move(fit));
 }
 
 /// The machine as a fit leaves it, for others to stand beside: if the fit itself says that a nominal value has

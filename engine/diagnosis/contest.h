@@ -17,6 +17,8 @@ void BestFirst(std::vector<Fit>& fits);
 void Sort(const Fitter& fitter, std::vector<Fit>& fits);
 /// Takes the other fit where it explains more.
 void KeepBetter(Fit& fit, Fit other);
+/// Adds a fit, or keeps the better one where there is one of that name.
+void TakeUp(std::vector<Fit>& fits, Fit fit);
 
 class Contest {
  public:
@@ -42,7 +44,6 @@ class Contest {
   Fit FromItsOwn(Fit fit, const Fitter& fitter) const;
   Fit Grown(const Fit& cold, const Fitter& last);
   bool MovesModes(const Fit& fit) const;
-  bool ChangesStructure(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;
   void Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits);

@@ -17,8 +17,6 @@ namespace {
 // worth little. 40 spreads: 40 % of an inertia or stiffness.
 constexpr double kWide = 40.0;
 
-bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
-
 class FreeRunCost : public ceres::CostFunction {
  public:
   FreeRunCost(const Study& study, const Whitener& whitener, const DoubtModel& doubts, const Projection& projection,
@@ -134,6 +132,8 @@ int Fit::parameters() const {
 bool Changes(const Assumed& assumed, const Doubt& doubt) {
   return assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at;
 }
+
+bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
 
 std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects) {
   std::vector<double> freedom;

@@ -28,6 +28,8 @@ inline constexpr double kDoubtStep = 1e-4;
 std::vector<int> FreeOf(const std::vector<double>& freedom);
 /// Forward differences about `at`, one simulation a free doubt.
 Result<DoubtModel> LineariseDoubts(const Study& study, const Hypothesis& at, std::vector<double> freedom);
+/// Whether an effect changes what the nominal values are values of, and sets them free.
+bool ChangesStructure(const Assumed& assumed);
 /// The usual freedom of the doubts under a set of effects: 1; 0 for a number that an effect changes itself, and for
 /// dampings that are nominally zero; wide where an effect changes the structure.
 std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects);

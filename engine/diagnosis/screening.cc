@@ -26,6 +26,8 @@ class Look {
     if (at.ok()) predicted_ = *at;
     error_ = fitter.whitener()(study.measured() - predicted_);
     freed_error_ = FreeError(projection_);
+    for (const Channel& c : study.channels())
+      floors_.push_back(std::max(HighFrequencyFloor(study.measured().segment(c.begin, c.count)), 1e-9 * c.nominal));
     power_ = PowerOf(base.predicted);
   }
 
@@ -105,9 +107,8 @@ class Look {
     const Eigen::VectorXd left = study_.measured() - predicted;
     double power = 0.0;
     for (const Channel& c : study_.channels()) {
-      const auto rows = study_.measured().segment(c.begin, c.count);
-      power += left.segment(c.begin, c.count).squaredNorm() /
-               std::pow(std::max(HighFrequencyFloor(rows), 1e-9 * c.nominal), 2);
+      const double floor = floors_[static_cast<std::size_t>(&c - study_.channels().data())];
+      power += left.segment(c.begin, c.count).squaredNorm() / (floor * floor);
     }
     return power;
   }
@@ -233,7 +234,8 @@ class Look {
   const Plan plan_;  // of the base
   Projection projection_;
   Eigen::VectorXd predicted_, error_, freed_error_;
-  double power_ = 0.0;  // of what the base leaves
+  std::vector<double> floors_;  // of the measured signals' highest frequencies, by channel
+  double power_ = 0.0;          // of what the base leaves
 };
 
 }  // namespace

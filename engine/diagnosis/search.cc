@@ -180,12 +180,7 @@ class Searching {
       ++simulations_;
       if (!fit.ok()) continue;
       fitter.Weigh(fit);
-      const auto known =
-          std::find_if(fits.begin(), fits.end(), [&](const Fit& other) { return other.Name() == fit.Name(); });
-      if (known == fits.end())
-        fits.push_back(std::move(fit));
-      else
-        KeepBetter(*known, std::move(fit));
+      TakeUp(fits, std::move(fit));
     }
     BestFirst(fits);
     return fits;

@@ -6,8 +6,7 @@
 #include "diagnosis/follow_friction.h"
 #include "diagnosis/follow_play.h"
 #include "scenario/load.h"
-#include "tests/blind/independent_line.h"
-#include "tests/diagnosis/made_record.h"
+#include "tests/diagnosis/line_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -24,14 +23,7 @@ class Hidden : public testing::Test {
   Study Measured(const blind::IndependentLine& line, std::vector<double> torque = RandomTorque(kRows)) {
     Diagnostics diagnostics;
     const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-    const blind::IndependentLine::Output output = line.Run(torque);
-    MappedRecord record;
-    const auto time = Shared(Times(kRows));
-    record.inputs["T_airgap"] = {time, Shared(std::move(torque))};
-    record.outputs["T_shaft"] = {time, Noisy(output.T_shaft, kNoise, 2)};
-    record.outputs["omega_1"] = {time, Noisy(output.omega_1, kNoise, 3)};
-    record.end_s = time->back();
-    return Study(*plan, {record}, registry_);
+    return Study(*plan, {LineRecord(line, std::move(torque), kNoise)}, registry_);
   }
 
   Registry registry_;

@@ -10,8 +10,7 @@
 #include "diagnosis/candidates.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
-#include "tests/blind/independent_line.h"
-#include "tests/diagnosis/made_record.h"
+#include "tests/diagnosis/line_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -29,15 +28,7 @@ class SlowSearch : public testing::Test {
 
   /// 1.4 s of a line that no engine code simulated, with noise.
   std::vector<MappedRecord> Measured(const blind::IndependentLine& line) const {
-    std::vector<double> torque = blind::IndependentTorque(kRows, 7);
-    const blind::IndependentLine::Output output = line.Run(torque);
-    MappedRecord record;
-    const auto time = Shared(Times(kRows));
-    record.inputs["T_airgap"] = {time, Shared(std::move(torque))};
-    record.outputs["T_shaft"] = {time, Noisy(output.T_shaft, kNoise, 2)};
-    record.outputs["omega_1"] = {time, Noisy(output.omega_1, kNoise, 3)};
-    record.end_s = time->back();
-    return {record};
+    return {LineRecord(line, blind::IndependentTorque(kRows, 7), kNoise)};
   }
 
   Result<Found> FoundIn(const std::vector<MappedRecord>& records) const {
