@@ -115,8 +115,9 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
   if (name == "viscosity_drift") {
     return {{0.2, 0.05 * m.duration_s}, {0.2, 0.2 * m.duration_s}, {0.2, 0.7 * m.duration_s}};
   }
-  if (name == "actuator_lag" || name == "actuator_delay" || name == "sensor_lag" || name == "sensor_delay")
-    return {{step_s}};
+  // The screening adds how late a signal comes: a delay beyond the signal's own width has no slope back to one sample.
+  if (name.ends_with("_delay")) return {{step_s}};
+  if (name.ends_with("_lag")) return {{step_s}, {4.0 * step_s}, {16.0 * step_s}, {64.0 * step_s}};
   if (name == "actuator_saturation") {
     Starts starts;
     for (const double share : {0.5, 0.7, 0.85, 0.95}) starts.push_back({share * size(m.input_peak)});

@@ -9,9 +9,16 @@
 
 #include "diagnosis/noise.h"
 #include "diagnosis/parallel.h"
+#include "score/nrmse.h"
 
 namespace dynoproof::diagnosis {
 namespace {
+
+/// Whether the starts of an effect, beyond the first, are tried as they stand: a resonance that moved, or a signal
+/// that comes late, looks like no multiple of one that did so a little.
+bool AsItStands(const std::string& effect) {
+  return effect.ends_with("_change") || effect.ends_with("_lag") || effect.ends_with("_delay");
+}
 
 /// What the screening of one candidate needs: the base's whitened error, freed of what the doubts explain.
 class Look {
@@ -62,7 +69,9 @@ class Look {
       effects.push_back(candidate.At(parameters));
       return fitter_.Evaluate(effects, doubts, projection);
     };
-    for (const std::vector<double>& start : candidate.starts) {
+    std::vector<std::vector<double>> starts = candidate.starts;
+    if (candidate.effect->info().name.ends_with("_delay")) starts.push_back({LateBy(candidate)});
+    for (const std::vector<double>& start : starts) {
       if (candidate.effect->info().name == "torque_ripple") {
         const std::optional<std::vector<double>> sized = SizeRipple(candidate, projection, start, threshold, best);
         if (sized) take(evaluate(*sized));
@@ -72,8 +81,7 @@ class Look {
         take(evaluate(start));
         continue;
       }
-      // Beyond the first, the starts of a changed parameter are tried as they stand.
-      if (&start != &candidate.starts.front() && candidate.effect->info().name.ends_with("_change")) {
+      if (&start != &starts.front() && AsItStands(candidate.effect->info().name)) {
         take(evaluate(start));
         continue;
       }
@@ -102,6 +110,23 @@ class Look {
   }
 
  private:
+  /// The shift that brings what was predicted of the candidate's signals closest to what was measured, within its
+  /// bounds [s]. Behind an actuator all signals come late; the one that shows it best counts.
+  double LateBy(const Candidate& candidate) const {
+    const EffectParameter& delay = candidate.effect->info().parameters[0];
+    double late_s = 0.0, least = 1.0;
+    for (const Channel& c : study_.channels()) {
+      if (candidate.place.kind == "output" && c.name != candidate.place.name) continue;
+      const auto rows = static_cast<std::size_t>(c.count);
+      const score::AlignmentFit fit = score::FitArrays({predicted_.data() + c.begin, rows},
+                                                       {study_.measured().data() + c.begin, rows}, c.step_s, {});
+      if (!fit.ok() || !(fit.unexplained < least)) continue;
+      least = fit.unexplained;
+      late_s = std::clamp(fit.shift_s, delay.lower, delay.upper);
+    }
+    return late_s;
+  }
+
   /// Of what a prediction leaves, in units of the noise's highest frequencies by channel.
   double PowerOf(const Eigen::VectorXd& predicted) const {
     const Eigen::VectorXd left = study_.measured() - predicted;

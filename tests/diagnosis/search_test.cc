@@ -59,6 +59,21 @@ TEST_F(SlowSearch, ALostCubicSpringBeginsAnewOnShortParts) {
   EXPECT_NEAR(best.hypothesis.effects[0].parameters[0], kCubic, 0.05 * kCubic);
 }
 
+// Later than the signal is wide: no slope leads there from one sample.
+TEST_F(SlowSearch, ATorqueThatComesFiftySamplesLate) {
+  constexpr std::size_t kLate = 50;
+  const std::vector<double> told = blind::IndependentTorque(kRows, 7);
+  std::vector<double> acting(kLate, told.front());
+  acting.insert(acting.end(), told.begin(), told.end() - kLate);
+  MappedRecord record = LineRecord(blind::IndependentLine(), std::move(acting), kNoise);
+  record.inputs["T_airgap"].values = Shared(told);
+  const Result<Found> found = FoundIn({record});
+  ASSERT_TRUE(found.ok());
+  ASSERT_FALSE(found->fits.empty());
+  ASSERT_EQ(found->fits.front().Name(), "actuator_delay@input:T_airgap");
+  EXPECT_NEAR(found->fits.front().hypothesis.effects[0].parameters[0], 1e-4 * kLate, 2e-6);
+}
+
 // In plain power, which knows nothing of the colour that the noise seems to have.
 TEST_F(SlowSearch, WhatExplainsMostLeavesLeast) {
   constexpr double kDead_Nm = 100.0;
