@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <vector>
 
 namespace dynoproof {
@@ -55,7 +54,11 @@ std::optional<std::string> Closest(std::string_view word, std::span<const std::s
 std::optional<std::string> ReadTextFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
-  std::string text(std::istreambuf_iterator<char>(file), {});
+  std::string text, piece(1 << 16, '\0');
+  while (file) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));  // an iterator would throw at a folder
+    text.append(piece, 0, static_cast<std::size_t>(file.gcount()));
+  }
   if (file.bad()) return std::nullopt;
   return text;
 }

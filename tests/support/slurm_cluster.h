@@ -226,9 +226,10 @@ class SlurmCluster {
   }
   /// A step manager holds files of its node's spool or log open.
   bool StepOf(const std::filesystem::path& process, const std::string& node) const {
-    std::error_code error;
-    for (const auto& link : std::filesystem::directory_iterator(process / "fd", error)) {
-      const std::string target = std::filesystem::read_symlink(link.path(), error).string();
+    std::error_code error, unread;  // it may end meanwhile
+    for (std::filesystem::directory_iterator link(process / "fd", error), end; !error && link != end;
+         link.increment(error)) {
+      const std::string target = std::filesystem::read_symlink(link->path(), unread).string();
       if (target.find("/slurmd." + node + ".log") != std::string::npos) return true;
       if (target.find("/spool/" + node + "/") != std::string::npos) return true;
     }

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -53,7 +53,9 @@ class TempDir {
 /// The bytes of a file; empty when it cannot be read.
 inline std::string ReadBytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::ostringstream bytes;  // an iterator over the file would throw where a process ends while /proc is read
+  bytes << file.rdbuf();
+  return bytes.str();
 }
 
 }  // namespace dynoproof::test
