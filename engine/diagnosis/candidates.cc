@@ -116,8 +116,8 @@ Starts StartsOf(const Study& study, const Magnitudes& m, const Effect& effect, c
     return {{0.2, 0.05 * m.duration_s}, {0.2, 0.2 * m.duration_s}, {0.2, 0.7 * m.duration_s}};
   }
   // The screening adds how late a signal comes: a delay beyond the signal's own width has no slope back to one sample.
-  if (name.ends_with("_delay")) return {{step_s}};
-  if (name.ends_with("_lag")) return {{step_s}, {4.0 * step_s}, {16.0 * step_s}, {64.0 * step_s}};
+  if (IsDelay(effect)) return {{step_s}};
+  if (IsLag(effect)) return {{step_s}, {4.0 * step_s}, {16.0 * step_s}, {64.0 * step_s}};
   if (name == "actuator_saturation") {
     Starts starts;
     for (const double share : {0.5, 0.7, 0.85, 0.95}) starts.push_back({share * size(m.input_peak)});
@@ -202,6 +202,12 @@ std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magni
   }
   return candidates;
 }
+
+bool IsDelay(const Effect& effect) {
+  return effect.info().name == "actuator_delay" || effect.info().name == "sensor_delay";
+}
+
+bool IsLag(const Effect& effect) { return effect.info().name == "actuator_lag" || effect.info().name == "sensor_lag"; }
 
 bool IsDryFriction(const Effect& effect) {
   const std::string& name = effect.info().name;

@@ -34,6 +34,9 @@ Magnitudes MagnitudesOf(const Study& study);
 
 std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes);
 
+/// Whether an effect is the dead time, or the first-order lag, of an input or output.
+bool IsDelay(const Effect& effect);
+bool IsLag(const Effect& effect);
 /// Whether an effect is a law of dry friction.
 bool IsDryFriction(const Effect& effect);
 /// Whether it is one of those that fall with speed or differ with direction.

@@ -83,7 +83,7 @@ void Contest::Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
   if (fits.empty()) return;
   Race(fits, null);
   if (fits.empty()) return;
-  if (fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front()) &&
+  if (!rungs_.empty() && fits.front().hypothesis.effects.size() == 1 && !AtFloor(fits.front()) &&
       !ChangesStructure(fits.front().hypothesis.effects.front()))
     Regrow(entrants, fits);
   Challenge(entrants, fits);
@@ -206,6 +206,7 @@ void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fit
     Fit fit;
     fit.hypothesis = study_.Nominal();
     fit.hypothesis.effects = {entrants[k]};
+    if (!begun_anew_.insert(fit.Name()).second) continue;
     step_("from a short part: " + fit.Name(), 0.6);
     fit = Grown(fit, fitter);
     if (!fit.ok() || fit.predicted.size() == 0) continue;

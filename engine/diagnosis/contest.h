@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,7 @@ class Contest {
 
   const Study& study_;
   std::vector<Study> rungs_;  // shorter and shorter parts, the shortest first
+  std::set<std::string> begun_anew_;
   SavedFits& saved_;
   Progress step_;
   int simulations_ = 0;

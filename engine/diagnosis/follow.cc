@@ -12,7 +12,8 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kStride = 1.25;       // from one part to the next ...
-constexpr double kShortest = 1.02;     // ... and where need be
+constexpr double kShortest = 1.02;     // ... and where need be ...
+constexpr double kRecovers = 1.5;      // ... from which it grows again
 constexpr std::size_t kFollowed = 32;  // hypotheses that go on
 constexpr double kAtFloor = 2.0;       // times the noise of the highest frequencies, which 80 samples tell to a third
 constexpr double kAlone = 200.0;       // -2 log likelihood ahead of all others: alone from there on
@@ -58,7 +59,8 @@ void Thin(std::vector<Follower>& followers, bool relatives) {
 }
 
 /// Whether what the hypothesis misses of the whole records is what another step of the solver changes as well, or the
-/// machine's nominal values, of which a short beginning tells little: what moves slowly is not chaotic.
+/// machine's nominal values, of which a short beginning tells little: what moves slowly is not chaotic. All nominal
+/// values move up together, which leaves undamped frequencies where they are: it refuses rather too often.
 bool Forgets(const Study& study, const Hypothesis& hypothesis) {
   Hypothesis doubted = hypothesis;
   const std::vector<double> freedom = FreedomOf(study, hypothesis.effects);
@@ -86,17 +88,26 @@ bool Forgets(const Study& study, const Hypothesis& hypothesis) {
 Fit Settled(const Study& study, const Followed& way) {
   const Study here = study.Part(way.share);
   Fit fit = ToItsPlace(here, FitAt(here, way.hypothesis));
-  if (fit.ok()) Fitter(here, WhitenerOf(here, fit)).Derive(fit);
+  if (!fit.ok()) return fit;
+  if (fit.doubts.jacobian.cols() != static_cast<Eigen::Index>(fit.doubts.free.size()))
+    fit.broken = "no run beside it";
+  else
+    Fitter(here, WhitenerOf(here, fit)).Derive(fit);
   return fit;
+}
+
+bool SameCause(const Hypothesis& a, const Hypothesis& b) {
+  return std::equal(a.effects.begin(), a.effects.end(), b.effects.begin(), b.effects.end(),
+                    [](const Assumed& x, const Assumed& y) { return x.effect == y.effect && x.place == y.place; });
 }
 
 /// Whether what `longer` says of the effects lies within what `shorter` has left open.
 bool Sharpens(const Fit& longer, const Fit& shorter) {
   constexpr double kSpreads = 3.0;
+  if (!SameCause(longer.hypothesis, shorter.hypothesis)) return false;
   const std::vector<Assumed>&one = longer.hypothesis.effects, &other = shorter.hypothesis.effects;
   Eigen::Index k = 0;
   for (std::size_t e = 0; e < other.size(); ++e) {
-    if (one[e].effect != other[e].effect || !(one[e].place == other[e].place)) return false;
     for (std::size_t i = 0; i < other[e].parameters.size(); ++i, ++k) {
       const double open = kSpreads * std::sqrt(std::max(0.0, shorter.covariance(k, k)));
       if (std::abs(one[e].parameters[i] - other[e].parameters[i]) > open) return false;
@@ -105,33 +116,55 @@ bool Sharpens(const Fit& longer, const Fit& shorter) {
   return true;
 }
 
-/// Of the last of `ways`, see Followed; parts shorter than `from` tell too little.
+/// Of the last of `ways`, see Followed. Parts shorter than `from` tell too little, but for the last one before it.
 std::vector<double> DriftOf(const std::vector<Followed>& ways, double from) {
   const std::vector<double>& last = ways.back().hypothesis.effects.front().parameters;
   std::vector<double> drift(last.size(), 0.0);
-  for (const Followed& way : ways) {
-    const Assumed& effect = way.hypothesis.effects.front();
-    if (way.share < from || effect.parameters.size() != last.size()) continue;
-    for (std::size_t i = 0; i < last.size(); ++i)
-      drift[i] = std::max(drift[i], std::abs(effect.parameters[i] - last[i]));
+  bool counted = false;
+  for (std::size_t k = ways.size() - 1; k-- > 0;) {
+    if (!SameCause(ways[k].hypothesis, ways.back().hypothesis)) continue;
+    if (counted && ways[k].share < from) break;
+    counted = true;
+    const std::vector<double>& before = ways[k].hypothesis.effects.front().parameters;
+    for (std::size_t i = 0; i < last.size(); ++i) drift[i] = std::max(drift[i], std::abs(before[i] - last[i]));
   }
   return drift;
 }
 
-/// The longest of `ways` (each a stride longer than the one before) that says what the one before does, only sharper.
-/// The longer motion that is chaotic, the narrower the valley in which the fit has to be: from some length on it is
-/// caught elsewhere on the way down, and its interval is about a place that means nothing.
-Followed Consistent(const Study& study, std::vector<Followed> ways, double from) {
-  Fit last = Settled(study, ways.back());
-  while (ways.size() > 1) {
-    Fit before = Settled(study, ways[ways.size() - 2]);
-    if (last.ok() && before.ok() && Sharpens(last, before)) break;
-    ways.pop_back();
-    last = std::move(before);
+/// Whether all its strengths may be none, as far as they have drifted.
+bool MayBeNone(const Followed& way) {
+  const Assumed& assumed = way.hypothesis.effects.front();
+  bool strength = false;
+  for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
+    const double neutral = assumed.effect->info().parameters[i].neutral;
+    if (!std::isfinite(neutral)) continue;
+    strength = true;
+    if (std::abs(assumed.parameters[i] - neutral) > way.drift[i]) return false;
   }
-  if (last.ok()) ways.back().hypothesis = last.hypothesis;
-  ways.back().drift = DriftOf(ways, from);
-  return std::move(ways.back());
+  return strength;
+}
+
+/// The longest of `ways` that says what a part a stride shorter does, only sharper; nothing below `from`, which is
+/// longer than a stride from the first. The longer motion that is chaotic, the narrower the valley in which the fit has
+/// to be: from some length on it is caught elsewhere on the way down, and its interval is about a place that means
+/// nothing. Parts less than a stride shorter hold the same data, and may be caught in the same place.
+std::optional<Followed> Consistent(const Study& study, std::vector<Followed> ways, double from) {
+  std::vector<std::optional<Fit>> settled(ways.size());
+  const auto settle = [&](std::size_t k) -> const Fit& {
+    if (!settled[k]) settled[k] = Settled(study, ways[k]);
+    return *settled[k];
+  };
+  for (; ways.back().share >= from; ways.pop_back()) {
+    std::size_t shorter = ways.size() - 1;
+    while (shorter > 0 && ways[shorter].share > ways.back().share / kStride * (1.0 + 1e-9)) --shorter;
+    const Fit& last = settle(ways.size() - 1);
+    if (!last.ok() || !settle(shorter).ok() || !Sharpens(last, settle(shorter))) continue;
+    ways.back().hypothesis = last.hypothesis;
+    ways.back().drift = DriftOf(ways, from);
+    if (MayBeNone(ways.back())) return std::nullopt;
+    return std::move(ways.back());
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -171,7 +204,7 @@ std::vector<Follower> FittedBeside(const Study& here, const Hypothesis& about, c
 
 std::optional<Followed> Follow(const Study& study, double first, std::vector<Hypothesis> starts,
                                const std::function<void(double)>& progress, const Relatives& relatives) {
-  std::vector<Followed> ways;  // each a stride longer than the one before
+  std::vector<Followed> ways;  // each longer than the one before
   double stride = kStride, share = first;
   double over = std::numeric_limits<double>::infinity();  // of the leader
   while (!starts.empty()) {
@@ -192,9 +225,10 @@ std::optional<Followed> Follow(const Study& study, double first, std::vector<Hyp
     }
     Thin(followers, static_cast<bool>(relatives));
     if (followers.empty() || followers.front().over > (relatives ? kLost : kAtFloor)) {
+      if (relatives || ways.empty()) break;
       // So many impacts more may be too much at once.
-      stride = 1.0 + 0.5 * (stride - 1.0);
-      if (relatives || ways.empty() || stride < kShortest) break;
+      stride = 1.0 + 0.5 * (share / ways.back().share - 1.0);
+      if (stride < kShortest) break;
       share = ways.back().share * stride;
       continue;
     }
@@ -205,12 +239,13 @@ std::optional<Followed> Follow(const Study& study, double first, std::vector<Hyp
     ways.push_back({starts.front(), {starts.begin() + 1, starts.end()}, share, {}});
     if (share == 1.0) break;
     share = std::min(1.0, stride * share);
+    stride = std::min(kStride, 1.0 + kRecovers * (stride - 1.0));
   }
-  if (ways.empty() || over > kAtFloor) return std::nullopt;
   const double least = 2.0 * first;
-  const Followed found = relatives ? std::move(ways.back()) : Consistent(study, std::move(ways), least);
-  if (found.share < least) return std::nullopt;
-  if (found.share < 1.0 && !Forgets(study, found.hypothesis)) return std::nullopt;
+  if (ways.empty() || over > kAtFloor || ways.back().share < least) return std::nullopt;
+  std::optional<Followed> found =
+      relatives ? std::optional(std::move(ways.back())) : Consistent(study, std::move(ways), least);
+  if (found && found->share < 1.0 && !Forgets(study, found->hypothesis)) return std::nullopt;
   return found;
 }
 

@@ -37,9 +37,10 @@ using Relatives = std::function<std::vector<Hypothesis>(const Study& here, const
 
 /// Follows `starts`, fitted to the share `first` of the study: the best of those that reach the noise farthest.
 /// `study`: all of the training data, without prediction windows. With `relatives` a leader may be above the noise for
-/// a while, and only the leader's own come with it; without, a part counts as long as it only sharpens what the one
-/// before has told. Nothing where nobody comes twice as far, or where a longer free run would tell more than it does:
-/// what it misses later must be no more than what finer substeps change, or, of signals that move slowly, the doubts.
+/// a while, and only the leader's own come with it; without, a part counts as long as it only sharpens what one a
+/// stride shorter has told. Nothing where nobody comes twice as far, or where a longer free run would tell more than it
+/// does: what it misses later must be no more than what finer substeps change, or, of signals that move slowly, the
+/// doubts.
 std::optional<Followed> Follow(const Study& study, double first, std::vector<Hypothesis> starts,
                                const std::function<void(double)>& progress, const Relatives& relatives = {});
 

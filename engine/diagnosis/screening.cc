@@ -16,8 +16,8 @@ namespace {
 
 /// Whether the starts of an effect, beyond the first, are tried as they stand: a resonance that moved, or a signal
 /// that comes late, looks like no multiple of one that did so a little.
-bool AsItStands(const std::string& effect) {
-  return effect.ends_with("_change") || effect.ends_with("_lag") || effect.ends_with("_delay");
+bool AsItStands(const Effect& effect) {
+  return effect.info().name.ends_with("_change") || IsDelay(effect) || IsLag(effect);
 }
 
 /// What the screening of one candidate needs: the base's whitened error, freed of what the doubts explain.
@@ -70,7 +70,8 @@ class Look {
       return fitter_.Evaluate(effects, doubts, projection);
     };
     std::vector<std::vector<double>> starts = candidate.starts;
-    if (candidate.effect->info().name.ends_with("_delay")) starts.push_back({LateBy(candidate)});
+    if (const double late_s = IsDelay(*candidate.effect) ? LateBy(candidate) : 0.0; late_s > 0.0)
+      starts.push_back({late_s});
     for (const std::vector<double>& start : starts) {
       if (candidate.effect->info().name == "torque_ripple") {
         const std::optional<std::vector<double>> sized = SizeRipple(candidate, projection, start, threshold, best);
@@ -81,7 +82,7 @@ class Look {
         take(evaluate(start));
         continue;
       }
-      if (&start != &starts.front() && AsItStands(candidate.effect->info().name)) {
+      if (&start != &starts.front() && AsItStands(*candidate.effect)) {
         take(evaluate(start));
         continue;
       }
@@ -111,15 +112,15 @@ class Look {
 
  private:
   /// The shift that brings what was predicted of the candidate's signals closest to what was measured, within its
-  /// bounds [s]. Behind an actuator all signals come late; the one that shows it best counts.
+  /// bounds [s]; 0: none does. Behind an actuator all signals come late; the one that shows it best counts.
   double LateBy(const Candidate& candidate) const {
     const EffectParameter& delay = candidate.effect->info().parameters[0];
     double late_s = 0.0, least = 1.0;
     for (const Channel& c : study_.channels()) {
       if (candidate.place.kind == "output" && c.name != candidate.place.name) continue;
       const auto rows = static_cast<std::size_t>(c.count);
-      const score::AlignmentFit fit = score::FitArrays({predicted_.data() + c.begin, rows},
-                                                       {study_.measured().data() + c.begin, rows}, c.step_s, {});
+      const score::AlignmentFit fit = score::FitArrays(
+          {predicted_.data() + c.begin, rows}, {study_.measured().data() + c.begin, rows}, c.step_s, {.gain = false});
       if (!fit.ok() || !(fit.unexplained < least)) continue;
       least = fit.unexplained;
       late_s = std::clamp(fit.shift_s, delay.lower, delay.upper);

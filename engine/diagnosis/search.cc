@@ -25,6 +25,10 @@ constexpr double kRough = 500.0;          // -2 log evidence that such a fit may
 
 bool Rubs(const Fit& fit) { return fit.ok() && IsDryFriction(*fit.hypothesis.effects.back().effect); }
 
+bool Same(const Assumed& a, const Assumed& b) {
+  return a.effect == b.effect && a.place == b.place && a.parameters == b.parameters;
+}
+
 class Searching {
  public:
   Searching(const Study& study, const std::vector<MappedRecord>& data, double training_share,
@@ -161,7 +165,8 @@ class Searching {
     std::vector<Fit> fits;
     const std::vector<Assumed> entrants = EntrantsOf(screened_);
     const std::size_t most = std::min(entrants.size(), kFullFits + ByPower(screened_).size());
-    for (std::size_t k = 0; k < most; ++k) {
+    std::size_t fitted = 0;
+    for (std::size_t k = 0; k < entrants.size() && fitted < most; ++k) {
       std::vector<Assumed> effects = base.hypothesis.effects;
       if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
             return assumed.effect == entrants[k].effect && assumed.place == entrants[k].place;
@@ -169,7 +174,7 @@ class Searching {
         continue;
       effects.push_back(entrants[k]);
       Step("fitting " + entrants[k].ToString(),
-           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(k) / static_cast<double>(most)));
+           begin + (end - begin) * (0.7 + 0.3 * static_cast<double>(fitted) / static_cast<double>(most)));
       // Its own size first, beside doubts that follow linearly: the screening saw it at a small one.
       if (!saved_.Recall(effects)) {
         const Fit sized = fitter.Optimise(effects, base.doubts, 8);
@@ -179,6 +184,7 @@ class Searching {
       Fit fit = FitAt(*study_, {base.doubts.z0, effects});
       ++simulations_;
       if (!fit.ok()) continue;
+      ++fitted;
       fitter.Weigh(fit);
       TakeUp(fits, std::move(fit));
     }
@@ -204,7 +210,9 @@ class Searching {
     std::vector<Assumed> entrants = ByPower(screened);
     for (const Screened& one : screened) {
       if (!one.promising) break;
-      entrants.push_back(found_.candidates[one.candidate].At(one.parameters));
+      const Assumed next = found_.candidates[one.candidate].At(one.parameters);
+      if (std::none_of(entrants.begin(), entrants.end(), [&](const Assumed& other) { return Same(next, other); }))
+        entrants.push_back(next);
     }
     return entrants;
   }
