@@ -311,8 +311,6 @@ Fit Contest::Warm(const Fit& cold, const Fitter& last) {
   return fit.ok() ? fit : cold;
 }
 
-/// Warm(), but the effect has all its freedom from the beginning, and each part is little longer than the last: modes
-/// and effect stay in step where neither was right.
 Fit Contest::Grown(const Fit& cold, const Fitter& last) {
   constexpr double kFirst = 1.0 / 27.0, kStride = 1.5;
   Hypothesis at = cold.hypothesis;

@@ -36,6 +36,9 @@ class Contest {
   void Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fits, Fit& null);
   /// Carries a hypothesis to the full records over shorter ones; `cold` itself where that breaks.
   Fit Warm(const Fit& cold, const Fitter& last);
+  /// The same, but the effects have all their freedom from the beginning, and each part is little longer than the last:
+  /// modes and effects stay in step where neither was right.
+  Fit Grown(const Fit& cold, const Fitter& last);
 
   int simulations() const { return simulations_; }
 
@@ -43,7 +46,6 @@ class Contest {
   std::optional<Assumed> AsEffect(const Doubt& doubt, double z) const;
   void Race(std::vector<Fit>& fits, const Fit& null);
   Fit FromItsOwn(Fit fit, const Fitter& fitter) const;
-  Fit Grown(const Fit& cold, const Fitter& last);
   bool MovesModes(const Fit& fit) const;
   bool Accounts(const Fit& fit) const;
   bool AtFloor(const Fit& fit) const;

@@ -23,7 +23,9 @@ constexpr std::size_t kFullFits = 8;      // candidates that are fitted fully af
 constexpr int kShakes = 12;               // of a fit with dry friction
 constexpr double kRough = 500.0;          // -2 log evidence that such a fit may lack where it came to rest
 
-bool Rubs(const Fit& fit) { return fit.ok() && IsDryFriction(*fit.hypothesis.effects.back().effect); }
+bool Rubs(const Fit& fit) {
+  return fit.ok() && !fit.hypothesis.effects.empty() && IsDryFriction(*fit.hypothesis.effects.back().effect);
+}
 
 bool Same(const Assumed& a, const Assumed& b) {
   return a.effect == b.effect && a.place == b.place && a.parameters == b.parameters;
@@ -108,6 +110,7 @@ class Searching {
       // Before an effect is called for, or a second one, the machine gets the time it needs.
       Fit& best = fits.empty() ? null : fits.front();
       best = ToTheEnd(std::move(best), 8);
+      if (AnyFound(StructureOf(best)) && !Rubs(best)) best = InStep(std::move(best));
       const Fitter fitter(*study_, WhitenerOf(*study_, best));
       fitter.Weigh(null);
       Sort(fitter, fits);
@@ -272,6 +275,23 @@ class Searching {
       return ToTheEnd(std::move(fit), 5);
     }
     return std::nullopt;
+  }
+
+  /// A mode that is hardly seen may have lost step by a whole turn: it leaves a line in the spectrum, and no slope
+  /// leads back. Once more from the nominal values, over parts that grow little by little.
+  Fit InStep(Fit fit) {
+    Step("from a short part: " + fit.Name(), 0.96);
+    const Fit cold = FitAt(part_, fit.hypothesis);
+    if (!cold.ok()) return fit;
+    Fit anew = FitAt(*study_, contest_.Grown(cold, Fitter(part_, WhitenerOf(part_, cold, 0))).hypothesis);
+    ++simulations_;
+    if (anew.ok()) anew = ToItsPlace(*study_, std::move(anew));
+    if (!anew.ok()) return fit;
+    const Fitter fitter(*study_, WhitenerOf(*study_, fit));
+    fitter.Weigh(fit);
+    fitter.Weigh(anew);
+    KeepBetter(fit, std::move(anew));
+    return fit;
   }
 
   /// Laws of the same place contain one another, and the way of friction is rough: once more beside the doubts as the

@@ -74,6 +74,23 @@ TEST_F(SlowSearch, ATorqueThatComesFiftySamplesLate) {
   EXPECT_NEAR(found->fits.front().hypothesis.effects[0].parameters[0], 1e-4 * kLate, 2e-6);
 }
 
+// Of a machine a little off in every number, under more noise: the fit of the dead zone comes to rest with its fastest
+// mode, which the noise all but covers, a turn out of step.
+TEST_F(SlowSearch, AModeThatLostStepIsBroughtBack) {
+  constexpr double kDead_Nm = 66.0;
+  blind::IndependentLine line;
+  for (std::size_t i = 0; i < line.inertia.size(); ++i) line.inertia[i] *= 1.0 + 0.004 * RandomNormal(3, 1, i);
+  for (std::size_t i = 0; i < line.stiffness.size(); ++i) line.stiffness[i] *= 1.0 + 0.006 * RandomNormal(3, 2, i);
+  line.actuator = [](double torque) {
+    return std::abs(torque) < kDead_Nm ? 0.0 : torque - std::copysign(kDead_Nm, torque);
+  };
+  const Result<Found> found = FoundIn({LineRecord(line, blind::IndependentTorque(kRows, 10), 0.017)});
+  ASSERT_TRUE(found.ok());
+  ASSERT_FALSE(found->fits.empty());
+  EXPECT_EQ(found->fits.front().Name(), "actuator_dead_zone@input:T_airgap");
+  EXPECT_FALSE(AnyFound(found->structure));
+}
+
 // In plain power, which knows nothing of the colour that the noise seems to have.
 TEST_F(SlowSearch, WhatExplainsMostLeavesLeast) {
   constexpr double kDead_Nm = 100.0;
