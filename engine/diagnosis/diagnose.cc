@@ -43,9 +43,7 @@ std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study&
   Judgement first = task.Of(beginning, until);
   if (first.Decide("diagnose_state_beginning.json", {followed.hypothesis})) return std::nullopt;
   const std::vector<Hypothesis> causes = first.Causes();
-  const Assumed& there = followed.hypothesis.effects.front();
-  if (causes.empty() || causes.front().effects.front().effect != there.effect ||
-      !(causes.front().effects.front().place == there.place))
+  if (causes.empty() || !causes.front().effects.front().SameCause(followed.hypothesis.effects.front()))
     return std::nullopt;
   first.Widen(followed.drift);
   if (until < 1.0) {

@@ -38,9 +38,8 @@ Follower Weighed(const Study& study, Fit fit) {
 bool Twins(const Follower& a, const Follower& b) {
   const std::vector<Assumed>&one = a.fit.hypothesis.effects, &other = b.fit.hypothesis.effects;
   return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](const Assumed& x, const Assumed& y) {
-    return x.effect == y.effect && x.place == y.place &&
-           std::equal(x.parameters.begin(), x.parameters.end(), y.parameters.begin(),
-                      [](double p, double q) { return p == q || std::abs(p / q - 1.0) < 2e-3; });
+    return x.SameCause(y) && std::equal(x.parameters.begin(), x.parameters.end(), y.parameters.begin(),
+                                        [](double p, double q) { return p == q || std::abs(p / q - 1.0) < 2e-3; });
   });
 }
 
@@ -98,7 +97,7 @@ Fit Settled(const Study& study, const Followed& way) {
 
 bool SameCause(const Hypothesis& a, const Hypothesis& b) {
   return std::equal(a.effects.begin(), a.effects.end(), b.effects.begin(), b.effects.end(),
-                    [](const Assumed& x, const Assumed& y) { return x.effect == y.effect && x.place == y.place; });
+                    [](const Assumed& x, const Assumed& y) { return x.SameCause(y); });
 }
 
 /// Whether what `longer` says of the effects lies within what `shorter` has left open.

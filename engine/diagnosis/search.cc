@@ -27,9 +27,7 @@ bool Rubs(const Fit& fit) {
   return fit.ok() && !fit.hypothesis.effects.empty() && IsDryFriction(*fit.hypothesis.effects.back().effect);
 }
 
-bool Same(const Assumed& a, const Assumed& b) {
-  return a.effect == b.effect && a.place == b.place && a.parameters == b.parameters;
-}
+bool Same(const Assumed& a, const Assumed& b) { return a.SameCause(b) && a.parameters == b.parameters; }
 
 class Searching {
  public:
@@ -171,9 +169,8 @@ class Searching {
     std::size_t fitted = 0;
     for (std::size_t k = 0; k < entrants.size() && fitted < most; ++k) {
       std::vector<Assumed> effects = base.hypothesis.effects;
-      if (std::any_of(effects.begin(), effects.end(), [&](const Assumed& assumed) {
-            return assumed.effect == entrants[k].effect && assumed.place == entrants[k].place;
-          }))
+      if (std::any_of(effects.begin(), effects.end(),
+                      [&](const Assumed& assumed) { return assumed.SameCause(entrants[k]); }))
         continue;
       effects.push_back(entrants[k]);
       Step("fitting " + entrants[k].ToString(),

@@ -23,6 +23,8 @@ struct Assumed {
   std::vector<double> parameters;
 
   std::string ToString() const { return effect->info().name + "@" + place.ToString(); }
+  /// The same effect at the same place, whatever its size.
+  bool SameCause(const Assumed& other) const { return effect == other.effect && place == other.place; }
 };
 
 /// A hypothesis: doubtful nominal values (in standard deviations), and effects on top of them.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "diagnosis/candidates.h"
 #include "experiment/prepare.h"
@@ -17,6 +18,12 @@ namespace {
 
 constexpr std::size_t kRows = 14001;
 constexpr double kNoise = 0.003;  // of each signal
+
+/// Lets through of a torque what goes beyond `dead_Nm` on either side.
+std::function<double(double)> DeadZone(double dead_Nm) {
+  return
+      [dead_Nm](double torque) { return std::abs(torque) < dead_Nm ? 0.0 : torque - std::copysign(dead_Nm, torque); };
+}
 
 class SlowSearch : public testing::Test {
  protected:
@@ -77,13 +84,10 @@ TEST_F(SlowSearch, ATorqueThatComesFiftySamplesLate) {
 // Of a machine a little off in every number, under more noise: the fit of the dead zone comes to rest with its fastest
 // mode, which the noise all but covers, a turn out of step.
 TEST_F(SlowSearch, AModeThatLostStepIsBroughtBack) {
-  constexpr double kDead_Nm = 66.0;
   blind::IndependentLine line;
   for (std::size_t i = 0; i < line.inertia.size(); ++i) line.inertia[i] *= 1.0 + 0.004 * RandomNormal(3, 1, i);
   for (std::size_t i = 0; i < line.stiffness.size(); ++i) line.stiffness[i] *= 1.0 + 0.006 * RandomNormal(3, 2, i);
-  line.actuator = [](double torque) {
-    return std::abs(torque) < kDead_Nm ? 0.0 : torque - std::copysign(kDead_Nm, torque);
-  };
+  line.actuator = DeadZone(66.0);
   const Result<Found> found = FoundIn({LineRecord(line, blind::IndependentTorque(kRows, 10), 0.017)});
   ASSERT_TRUE(found.ok());
   ASSERT_FALSE(found->fits.empty());
@@ -93,11 +97,8 @@ TEST_F(SlowSearch, AModeThatLostStepIsBroughtBack) {
 
 // In plain power, which knows nothing of the colour that the noise seems to have.
 TEST_F(SlowSearch, WhatExplainsMostLeavesLeast) {
-  constexpr double kDead_Nm = 100.0;
   blind::IndependentLine line;
-  line.actuator = [](double torque) {
-    return std::abs(torque) < kDead_Nm ? 0.0 : torque - std::copysign(kDead_Nm, torque);
-  };
+  line.actuator = DeadZone(100.0);
   const Result<Found> found = FoundIn(Measured(line));
   ASSERT_TRUE(found.ok());
   const auto least = std::min_element(found->screened.begin(), found->screened.end(),
