@@ -245,13 +245,16 @@ void Contest::Challenge(const std::vector<Assumed>& entrants, std::vector<Fit>& 
   }
 }
 
-/// Those that were fitted with the best one (the first); what says openly that a nominal value is as far off as the
-/// best one needs it; other effects at its place, because of laws that contain one another the simplest must win; and
-/// the same effect at other places.
+/// Those that were fitted with the best one (the first), and those that are recalled; what says openly that a nominal
+/// value is as far off as the best one needs it; other effects at its place, because of laws that contain one another
+/// the simplest must win; and the same effect at other places.
 std::vector<Assumed> Contest::ChallengersOf(const std::vector<Assumed>& entrants, const std::vector<Fit>& fits) const {
   const Assumed& last = fits.front().hypothesis.effects.back();
   std::vector<Assumed> challengers;
   for (std::size_t k = 1; k < fits.size(); ++k) challengers.push_back(fits[k].hypothesis.effects.back());
+  for (const Assumed& beaten : beaten_) {
+    if (!beaten.SameCause(last)) challengers.push_back(beaten);
+  }
   for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
     const std::optional<Assumed> effect = AsEffect(study_.doubts()[i], fits.front().hypothesis.z[i]);
     if (effect) challengers.push_back(*effect);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/fit.h"
@@ -31,6 +32,8 @@ class Contest {
   /// Adds to `fits` the effects that say openly what the nominal model needs far outside its doubts, or puts them in
   /// the place of worse ones; whether there was any. They are not fitted yet.
   bool Suggest(const Fitter& fitter, const Fit& null, std::vector<Fit>& fits);
+  /// Others that are asked beside whoever leads: they were beaten where nobody was at the noise.
+  void Recall(std::vector<Assumed> beaten) { beaten_ = std::move(beaten); }
   /// Sorts `fits`, best first; `entrants`: effects that may still challenge. `null`, the nominal model with all the
   /// freedom of its doubts, gets every chance too.
   void Decide(const std::vector<Assumed>& entrants, std::vector<Fit>& fits, Fit& null);
@@ -61,6 +64,7 @@ class Contest {
   const Study& study_;
   std::vector<Study> rungs_;  // shorter and shorter parts, the shortest first
   std::set<std::string> begun_anew_;
+  std::vector<Assumed> beaten_;
   SavedFits& saved_;
   Progress step_;
   int simulations_ = 0;

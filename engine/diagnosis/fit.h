@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -112,8 +113,9 @@ class Fitter {
   /// From the effects as given, within the bounds.
   Fit Optimise(const std::vector<Assumed>& effects, const DoubtModel& doubts, int iterations = 12) const;
   /// Effects and doubts together, until nothing changes (or `rounds` steps): each is simulated, and shortened where it
-  /// went too far, because a resonance that moves by its own width is not linear any more.
-  Fit Polish(Fit fit, int rounds, Moves moves = Moves::kAll) const;
+  /// went too far, because a resonance that moves by its own width is not linear any more. `held`: the parameter of
+  /// all effects, in order, that stays as it is.
+  Fit Polish(Fit fit, int rounds, Moves moves = Moves::kAll, std::optional<Eigen::Index> held = std::nullopt) const;
   /// The same fit under this whitener, without another simulation.
   void Weigh(Fit& fit) const;
   /// Jacobian and covariance of a fit; the covariance is that of white residuals (what the whitener makes of them).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "diagnosis/candidates.h"
@@ -13,7 +14,9 @@ namespace {
 
 constexpr double kFirst_s = 0.05;        // as long as a line takes to be torn loose a few times ...
 constexpr double kFirstSamples = 200.0;  // ... and enough to tell four numbers
-constexpr std::size_t kTried = 3;        // places, and laws at each, that are fitted fully at a time
+constexpr std::size_t kTried = 3;        // places that are fitted fully at a time ...
+constexpr std::size_t kLaws = 4;         // ... and starts at each ...
+constexpr std::size_t kOfALaw = 2;       // ... of which so many of one law
 
 /// When an output of the first record begins to move [s]: before that nothing can be told.
 double MotionBegins(const MappedRecord& record) {
@@ -72,9 +75,21 @@ std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, d
     add("asymmetric_friction", {torque, torque, 0.1 * torque / speed, 0.1 * torque / speed});
     add("dahl_friction", {torque, 3000.0 * torque / speed});
   }
+  // The torque may be that of one direction, or stand for both.
+  const double viscous = 0.1 * torque / speed_rad_per_s;
+  for (const auto& [forth, back] : {std::pair(1.0, 0.4), std::pair(0.4, 1.0), std::pair(1.4, 0.6), std::pair(0.6, 1.4)})
+    add("asymmetric_friction", {forth * torque, back * torque, viscous, viscous});
+  if (known.effect->info().name == "asymmetric_friction") {
+    // In the direction in which it hardly goes, and slowly, dry and viscous friction pass for each other, and a fit to
+    // less of the record may have taken all of one: as viscous as in the other direction is the likelier start.
+    const std::vector<double>& p = known.parameters;
+    for (const double both : {p[2], p[3]}) add("asymmetric_friction", {p[0], p[1], both, both});
+  }
   std::vector<Hypothesis> laws;
+  std::map<const Effect*, std::size_t> taken;
   for (Follower& one : FittedBeside(here, leader, tried)) {
-    if (laws.size() < kTried) laws.push_back(std::move(one.fit.hypothesis));
+    if (laws.size() < kLaws && taken[one.fit.hypothesis.effects.front().effect]++ < kOfALaw)
+      laws.push_back(std::move(one.fit.hypothesis));
   }
   return laws;
 }

@@ -9,6 +9,7 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/decide.h"
 #include "diagnosis/extend.h"
+#include "diagnosis/reach.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -224,6 +225,10 @@ Status Judgement::Conclude() {
 void Judgement::ReportEffects(const std::vector<Fit>& fits) {
   const Fit& best = fits.front();
   const Eigen::VectorXd bias = SolverBias(study_, best);
+  options_.progress("how far the numbers reach", 0.96);
+  // Of the part of a cause that was found no more than its fit says: the rest would move it anyway.
+  const std::vector<Reach> reach =
+      result_.verdict == Verdict::kUnexplained ? ByCovariance(best) : ReachOf(study_, best, result_.simulations);
   double evidence = 0.0;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     // Who stands beside the best one stands for its validation, where the evidence has come from numbers to spare.
@@ -240,10 +245,10 @@ void Judgement::ReportEffects(const std::vector<Fit>& fits) {
     for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
       const EffectParameter& p = assumed.effect->info().parameters[i];
       const double drift = result_.effects.size() == 1 && i < drift_.size() ? drift_[i] : 0.0;
-      const double half = kTwoSided95 * std::sqrt(std::max(0.0, best.covariance(k, k))) + bias[k] + drift;
-      found.parameters.push_back({p.name, p.unit, assumed.parameters[i],
-                                  std::max(p.lower, assumed.parameters[i] - half),
-                                  std::min(p.upper, assumed.parameters[i] + half)});
+      const Reach& far = reach[static_cast<std::size_t>(k)];
+      const double value = assumed.parameters[i], besides = bias[k] + drift;
+      found.parameters.push_back({p.name, p.unit, value, std::max(p.lower, value - far.below - besides),
+                                  std::min(p.upper, value + far.above + besides)});
     }
   }
   if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;

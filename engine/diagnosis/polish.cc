@@ -17,8 +17,9 @@ namespace {
 /// free doubts over their prior.
 class JointCost : public ceres::CostFunction {
  public:
-  JointCost(const Study& study, const Whitener& whitener, const Coordinates& coordinates, Fit& at)
-      : study_(study), whitener_(whitener), coordinates_(coordinates), at_(at) {
+  JointCost(const Study& study, const Whitener& whitener, const Coordinates& coordinates,
+            std::optional<Eigen::Index> held, Fit& at)
+      : study_(study), whitener_(whitener), coordinates_(coordinates), held_(held), at_(at) {
     set_num_residuals(static_cast<int>(study.measured().size()) + Doubts());
     mutable_parameter_block_sizes()->push_back(static_cast<int>(coordinates.size()) + Doubts());
   }
@@ -173,6 +174,10 @@ class JointCost : public ceres::CostFunction {
     std::atomic<int> simulations = 0;
     ParallelFor(Num(x.size()), 0, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
+      if (column == held_) {
+        slopes_.col(column).setZero();
+        return;
+      }
       const double step = column < p ? coordinates_.Difference(k, x[column])
                                      : kDoubtStep / at_.doubts.freedom[Num(at_.doubts.free[Num(column - p)])];
       const auto predicted = [&](double by) {
@@ -197,6 +202,7 @@ class JointCost : public ceres::CostFunction {
   const Study& study_;
   const Whitener& whitener_;
   const Coordinates& coordinates_;
+  const std::optional<Eigen::Index> held_;
   Fit& at_;
   // What is known of the points the search has been at: it asks for residuals first, then there for slopes.
   mutable Point tried_, base_;      // base_: where the slopes are
@@ -220,14 +226,14 @@ class AfterRounds : public ceres::IterationCallback {
 
 }  // namespace
 
-Fit Fitter::Polish(Fit fit, int rounds, Moves moves) const {
+Fit Fitter::Polish(Fit fit, int rounds, Moves moves, std::optional<Eigen::Index> held) const {
   fit.settled = false;
   if (!fit.ok()) return fit;
   fit.doubts.freedom = FreedomOf(study_, fit.hypothesis.effects);
   fit.doubts.free = FreeOf(fit.doubts.freedom);
   fit.doubts.jacobian.resize(0, 0);  // another point's, if any
   const Coordinates coordinates(moves == Moves::kAll ? fit.hypothesis.effects : std::vector<Assumed>{});
-  JointCost cost(study_, whitener_, coordinates, fit);
+  JointCost cost(study_, whitener_, coordinates, held, fit);
   std::vector<double> x = cost.Start();
   ceres::Problem::Options kept;
   kept.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

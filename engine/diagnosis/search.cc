@@ -108,8 +108,13 @@ class Searching {
       // Before an effect is called for, or a second one, the machine gets the time it needs.
       Fit& best = fits.empty() ? null : fits.front();
       best = ToTheEnd(std::move(best), 8);
-      if (AnyFound(StructureOf(best)) && !Rubs(best)) best = InStep(std::move(best));
-      const Fitter fitter(*study_, WhitenerOf(*study_, best));
+      if (AnyFound(StructureOf(best)) && !Rubs(best)) {
+        best = InStep(std::move(best));
+        if (!fits.empty() && !AnyFound(StructureOf(best))) {
+          if (Status failed = AskAgain(null, fits, structure)) return *failed;
+        }
+      }
+      const Fitter fitter(*study_, WhitenerOf(*study_, fits.empty() ? null : fits.front()));
       fitter.Weigh(null);
       Sort(fitter, fits);
       structure = StructureOf(fits.empty() ? null : fits.front());
@@ -291,6 +296,36 @@ class Searching {
     return fit;
   }
 
+  /// The best fit (the first) has come to the noise after all: whoever was beaten while nobody was there is asked
+  /// again, beside the doubts as it has them.
+  Status AskAgain(Fit& null, std::vector<Fit>& fits, std::vector<Structure>& structure) {
+    study_ = &part_;
+    std::vector<Fit> again = {FitAt(*study_, fits.front().hypothesis)};
+    Fit nominal = FitAt(*study_, null.hypothesis);
+    if (again.front().ok() && nominal.ok()) {
+      Fitter(*study_, WhitenerOf(*study_, again.front())).Weigh(again.front());
+      contest_.Recall(beaten_);
+      contest_.Decide(EntrantsOf(found_.screened), again, nominal);
+      std::vector<Structure> left;
+      if (Status failed = ToTheWhole(nominal, again, left)) return failed;
+      if (!again.empty() && !AnyFound(left)) {
+        const Fitter last(*study_, WhitenerOf(*study_, again.front()));
+        Sort(last, again);
+        for (Fit& fit : fits) {
+          last.Weigh(fit);
+          TakeUp(again, std::move(fit));
+        }
+        fits = std::move(again);
+        structure = std::move(left);
+        last.Weigh(null);
+        last.Weigh(nominal);
+        KeepBetter(null, std::move(nominal));
+      }
+    }
+    study_ = &whole_;
+    return {};
+  }
+
   /// Laws of the same place contain one another, and the way of friction is rough: once more beside the doubts as the
   /// best one (the first) has them.
   void AskAtItsPlace(std::vector<Fit>& fits) const {
@@ -342,6 +377,7 @@ class Searching {
     if (!nominal.ok() || rivals.empty()) return false;
     Sort(Fitter(fine, WhitenerOf(fine, rivals.front())), rivals);
     Contest contest(fine, saved_, options_.progress);
+    contest.Recall(beaten_);
     contest.Decide(EntrantsOf(found_.screened), rivals, nominal);
     simulations_ += contest.simulations();
     std::vector<Structure> left;
@@ -382,10 +418,11 @@ class Searching {
     last.Weigh(pairs.front());
     Fit best = OneOf(pairs.front(), last, last.Polish(fits.front(), 6));
     // A second effect has to be needed: what one does as well from where the pair has led it, it does alone - and has
-    // to stand against the others alone.
+    // to stand against the others alone. On the rough way of friction it does no worse than that.
     const bool pair = pairs.front().hypothesis.effects.size() > 1;
+    const double needed = found_.threshold + (Rubs(best) ? kRough : 0.0);
     double gain = best.criterion - pairs.front().criterion;
-    if (pair && !AnyFound(left) && gain < found_.threshold) {
+    if (pair && !AnyFound(left) && gain < needed) {
       study_ = &part_;
       pairs = {FitAt(*study_, best.hypothesis)};
       if (!pairs.front().ok()) return {};
@@ -396,7 +433,7 @@ class Searching {
       gain = 0.0;
     }
     // And it has to explain what the first one leaves, all of it: else nothing is known about either.
-    if (AnyFound(left) || gain < (pairs.front().hypothesis.effects.size() > 1 ? found_.threshold : 0.0)) {
+    if (AnyFound(left) || gain < (pairs.front().hypothesis.effects.size() > 1 ? needed : 0.0)) {
       found_.partial = "no pair of effects accounts for the rest either";
       return {};
     }
@@ -424,6 +461,7 @@ class Searching {
       Considered& left = found_.considered.emplace_back(ConsideredOf(fit));
       left.why_not = fmt::format("explains less of the first part of the data: -2 log evidence {:.0f} behind", behind);
       left.validation_nrmse = TotalNrmse(*study_, fit.predicted);
+      if (fit.hypothesis.effects.size() == 1) beaten_.push_back(fit.hypothesis.effects.front());
     }
     fits = std::move(carried);
     study_ = &whole_;
@@ -463,6 +501,7 @@ class Searching {
   Contest contest_;
   Found found_;
   std::vector<Screened> screened_;  // on top of what stood then
+  std::vector<Assumed> beaten_;     // alone, where the search takes place
   int simulations_ = 0;
 };
 

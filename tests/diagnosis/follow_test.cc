@@ -83,6 +83,26 @@ TEST_F(SlowFriction, IsFollowedFromTheFirstSlipsToTheEnd) {
   EXPECT_NEAR(friction.parameters.at(2), kFalls_rad_per_s, 0.05 * kFalls_rad_per_s);
 }
 
+// At the torque of either direction, in both, or at the mean of the two, it explains nothing of how the line breaks
+// loose.
+TEST_F(SlowFriction, IsFollowedWhereItDiffersMuchWithDirection) {
+  constexpr double kForth_Nm = 60.0, kBack_Nm = 25.0;
+  blind::IndependentLine line = SlightlyOff();
+  line.load[2] = [](double w) {
+    const double dry = std::tanh(w / 1e-4);
+    return w > 0.0 ? -kForth_Nm * dry - 2.0 * w : -kBack_Nm * dry - w;
+  };
+  const std::optional<Followed> followed =
+      FollowFriction(Measured(line, blind::IndependentTorque(kRows, 7)), std::nullopt, [](double) {});
+  ASSERT_TRUE(followed);
+  const Assumed& friction = followed->hypothesis.effects.at(0);
+  EXPECT_EQ(friction.ToString(), "asymmetric_friction@inertia:I3");
+  EXPECT_EQ(followed->share, 1.0);
+  // Dry and viscous friction of a direction make up for each other.
+  EXPECT_NEAR(friction.parameters.at(0), kForth_Nm, 0.03 * kForth_Nm);
+  EXPECT_NEAR(friction.parameters.at(1), kBack_Nm, 0.03 * kBack_Nm);
+}
+
 TEST_F(SlowFriction, IsNotSeenInASofterShaft) {
   blind::IndependentLine line = SlightlyOff();
   line.stiffness[1] *= 0.8;
