@@ -129,6 +129,10 @@ int Fit::parameters() const {
   return static_cast<int>(count);
 }
 
+double Fit::StandardDeviation(Eigen::Index parameter) const {
+  return std::sqrt(std::max(0.0, covariance(parameter, parameter)));
+}
+
 bool Changes(const Assumed& assumed, const Doubt& doubt) {
   return assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at;
 }
@@ -265,7 +269,7 @@ bool IsNothing(const Study& study, const Fit& fit, std::size_t effect) {
     const EffectParameter& p = assumed.effect->info().parameters[i];
     if (!std::isfinite(p.neutral)) continue;
     strength = true;
-    const double half = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(k, k))) + bias[k];
+    const double half = kTwoSided95 * fit.StandardDeviation(k) + bias[k];
     if (std::abs(assumed.parameters[i] - p.neutral) > half) return false;
   }
   return strength;

@@ -73,6 +73,8 @@ struct Fit {
   bool ok() const { return broken.empty(); }
   std::string Name() const;
   int parameters() const;
+  /// Of a parameter of all effects, in order; after Derive().
+  double StandardDeviation(Eigen::Index parameter) const;
 };
 
 /// Whether an effect changes the very number that a doubt is about.

@@ -108,7 +108,7 @@ bool Sharpens(const Fit& longer, const Fit& shorter) {
   Eigen::Index k = 0;
   for (std::size_t e = 0; e < other.size(); ++e) {
     for (std::size_t i = 0; i < other[e].parameters.size(); ++i, ++k) {
-      const double open = kSpreads * std::sqrt(std::max(0.0, shorter.covariance(k, k)));
+      const double open = kSpreads * shorter.StandardDeviation(k);
       if (std::abs(one[e].parameters[i] - other[e].parameters[i]) > open) return false;
     }
   }

@@ -111,7 +111,7 @@ class Reaching {
 std::vector<Reach> ByCovariance(const Fit& fit) {
   std::vector<Reach> reaches;
   for (Eigen::Index row = 0; row < fit.parameters(); ++row) {
-    const double half = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(row, row)));
+    const double half = kTwoSided95 * fit.StandardDeviation(row);
     reaches.push_back({half, half});
   }
   return reaches;

@@ -111,7 +111,7 @@ class Searching {
       if (AnyFound(StructureOf(best)) && !Rubs(best)) {
         best = InStep(std::move(best));
         if (!fits.empty() && !AnyFound(StructureOf(best))) {
-          if (Status failed = AskAgain(null, fits, structure)) return *failed;
+          if (Status failed = AskAgain(null, fits)) return *failed;
         }
       }
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.empty() ? null : fits.front()));
@@ -296,33 +296,40 @@ class Searching {
     return fit;
   }
 
+  /// Decides anew where the search takes place, with one hypothesis to begin with, and goes on to all training data.
+  /// No fits: a run broke.
+  Status DecideAnew(const Hypothesis& from, std::vector<Fit>& fits, Fit& nominal, std::vector<Structure>& structure) {
+    study_ = &part_;
+    fits = {FitAt(*study_, from)};
+    if (!fits.front().ok()) {
+      fits.clear();
+      study_ = &whole_;
+      return {};
+    }
+    nominal = FitAt(*study_, nominal.hypothesis);
+    contest_.Decide(EntrantsOf(found_.screened), fits, nominal);
+    return ToTheWhole(nominal, fits, structure);
+  }
+
   /// The best fit (the first) has come to the noise after all: whoever was beaten while nobody was there is asked
   /// again, beside the doubts as it has them.
-  Status AskAgain(Fit& null, std::vector<Fit>& fits, std::vector<Structure>& structure) {
-    study_ = &part_;
-    std::vector<Fit> again = {FitAt(*study_, fits.front().hypothesis)};
-    Fit nominal = FitAt(*study_, null.hypothesis);
-    if (again.front().ok() && nominal.ok()) {
-      Fitter(*study_, WhitenerOf(*study_, again.front())).Weigh(again.front());
-      contest_.Recall(beaten_);
-      contest_.Decide(EntrantsOf(found_.screened), again, nominal);
-      std::vector<Structure> left;
-      if (Status failed = ToTheWhole(nominal, again, left)) return failed;
-      if (!again.empty() && !AnyFound(left)) {
-        const Fitter last(*study_, WhitenerOf(*study_, again.front()));
-        Sort(last, again);
-        for (Fit& fit : fits) {
-          last.Weigh(fit);
-          TakeUp(again, std::move(fit));
-        }
-        fits = std::move(again);
-        structure = std::move(left);
-        last.Weigh(null);
-        last.Weigh(nominal);
-        KeepBetter(null, std::move(nominal));
-      }
+  Status AskAgain(Fit& null, std::vector<Fit>& fits) {
+    std::vector<Fit> again;
+    std::vector<Structure> left;
+    Fit nominal = null;
+    contest_.Recall(beaten_);
+    if (Status failed = DecideAnew(fits.front().hypothesis, again, nominal, left)) return failed;
+    if (again.empty() || AnyFound(left)) return {};
+    const Fitter last(*study_, WhitenerOf(*study_, again.front()));
+    Sort(last, again);
+    for (Fit& fit : fits) {
+      last.Weigh(fit);
+      TakeUp(again, std::move(fit));
     }
-    study_ = &whole_;
+    fits = std::move(again);
+    last.Weigh(null);
+    last.Weigh(nominal);
+    KeepBetter(null, std::move(nominal));
     return {};
   }
 
@@ -423,12 +430,7 @@ class Searching {
     const double needed = found_.threshold + (Rubs(best) ? kRough : 0.0);
     double gain = best.criterion - pairs.front().criterion;
     if (pair && !AnyFound(left) && gain < needed) {
-      study_ = &part_;
-      pairs = {FitAt(*study_, best.hypothesis)};
-      if (!pairs.front().ok()) return {};
-      nominal = FitAt(*study_, nominal.hypothesis);
-      contest_.Decide(EntrantsOf(found_.screened), pairs, nominal);
-      if (Status failed = ToTheWhole(nominal, pairs, left)) return failed;
+      if (Status failed = DecideAnew(best.hypothesis, pairs, nominal, left)) return failed;
       if (pairs.empty()) return {};
       gain = 0.0;
     }
@@ -441,7 +443,7 @@ class Searching {
     structure = std::move(left);
     last.Weigh(null);
     last.Weigh(nominal);
-    if (nominal.chi2 < null.chi2) null = std::move(nominal);
+    KeepBetter(null, std::move(nominal));
     return {};
   }
 

@@ -25,9 +25,8 @@ Fit Shaken(const Study& study, const Fitter& fitter, Fit fit, int tries) {
     for (Assumed& assumed : beside.effects) {
       for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++row) {
         const EffectParameter& info = assumed.effect->info().parameters[i];
-        const double sigma = row < fit.covariance.rows() ? std::sqrt(std::max(0.0, fit.covariance(row, row))) : 0.0;
         double& value = assumed.parameters[i];
-        const double width = std::min(kDeviations * sigma, kOfItself * std::abs(value));
+        const double width = std::min(kDeviations * fit.StandardDeviation(row), kOfItself * std::abs(value));
         value = std::clamp(value + width * deviate(random), info.lower, info.upper);
       }
     }

@@ -5,30 +5,27 @@
 
 #include <filesystem>
 
-#include "experiment/prepare.h"
-#include "scenario/load.h"
 #include "tests/diagnosis/line_record.h"
+#include "tests/diagnosis/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
+using SlowContest = LumpedLine;
+
 // A speed sensor that drifts looks like a torque that speeds the line up, to the torque sensor's noise. Who was beaten
 // beside nominal values that were wrong has to be asked again where they are right.
-TEST(SlowContest, WhoWasBeatenIsAskedAgainBesideTheLeader) {
+TEST_F(SlowContest, WhoWasBeatenIsAskedAgainBesideTheLeader) {
   constexpr std::size_t kRows = 7001;
   constexpr double kDrift = 0.05;  // rad/s^2
-  Registry registry;
-  RegisterBuiltIns(registry);
-  Diagnostics diagnostics;
-  const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-  ASSERT_TRUE(plan);
+  ASSERT_TRUE(plan_);
   MappedRecord record = LineRecord(blind::IndependentLine(), blind::IndependentTorque(kRows, 7), 0.003);
   std::vector<double> speed = *record.outputs["omega_1"].values;
   for (std::size_t i = 0; i < speed.size(); ++i) speed[i] += kDrift * 1e-4 * static_cast<double>(i);
   record.outputs["omega_1"].values = Shared(std::move(speed));
-  const Study study(*plan, {record}, registry);
-  const Assumed load = {registry.FindEffect("constant_load"), *ParsePlace("inertia:I4"), {-1.0}};
-  const Assumed drift = {registry.FindEffect("sensor_drift"), *ParsePlace("output:omega_1"), {0.01}};
+  const Study study(*plan_, {record}, registry_);
+  const Assumed load = {registry_.FindEffect("constant_load"), *ParsePlace("inertia:I4"), {-1.0}};
+  const Assumed drift = {registry_.FindEffect("sensor_drift"), *ParsePlace("output:omega_1"), {0.01}};
 
   const auto winner = [&](std::vector<Assumed> beaten) {
     SavedFits saved((std::filesystem::path(testing::TempDir()) / "contest_test_state.json").string(), false, study);
@@ -37,7 +34,6 @@ TEST(SlowContest, WhoWasBeatenIsAskedAgainBesideTheLeader) {
     Hypothesis at = study.Nominal();
     at.effects = {load};
     std::vector<Fit> fits = {FitAt(study, at)};
-    Fitter(study, WhitenerOf(study, null, 0)).Weigh(fits.front());
     contest.Recall(std::move(beaten));
     contest.Decide({}, fits, null);
     return fits.empty() ? std::string() : fits.front().Name();

@@ -5,8 +5,8 @@
 
 #include "diagnosis/follow_friction.h"
 #include "diagnosis/follow_play.h"
-#include "scenario/load.h"
 #include "tests/diagnosis/line_record.h"
+#include "tests/diagnosis/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -16,17 +16,11 @@ constexpr double kGap_rad = 1.1e-5;
 constexpr std::size_t kRows = 5001;
 
 /// Half a second of a line that no engine code simulated, its values a little off, with noise.
-class Hidden : public testing::Test {
+class Hidden : public LumpedLine {
  protected:
-  Hidden() { RegisterBuiltIns(registry_); }
-
   Study Measured(const blind::IndependentLine& line, std::vector<double> torque = RandomTorque(kRows)) {
-    Diagnostics diagnostics;
-    const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-    return Study(*plan, {LineRecord(line, std::move(torque), kNoise)}, registry_);
+    return Study(*plan_, {LineRecord(line, std::move(torque), kNoise)}, registry_);
   }
-
-  Registry registry_;
 };
 
 using SlowPlay = Hidden;
@@ -88,10 +82,7 @@ TEST_F(SlowFriction, IsFollowedFromTheFirstSlipsToTheEnd) {
 TEST_F(SlowFriction, IsFollowedWhereItDiffersMuchWithDirection) {
   constexpr double kForth_Nm = 60.0, kBack_Nm = 25.0;
   blind::IndependentLine line = SlightlyOff();
-  line.load[2] = [](double w) {
-    const double dry = std::tanh(w / 1e-4);
-    return w > 0.0 ? -kForth_Nm * dry - 2.0 * w : -kBack_Nm * dry - w;
-  };
+  line.load[2] = FrictionByDirection(kForth_Nm, kBack_Nm, 2.0, 1.0);
   const std::optional<Followed> followed =
       FollowFriction(Measured(line, blind::IndependentTorque(kRows, 7)), std::nullopt, [](double) {});
   ASSERT_TRUE(followed);

@@ -1,6 +1,8 @@
 // A record of the line that no engine code simulated.
 #pragma once
 
+#include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -9,6 +11,16 @@
 #include "tests/diagnosis/made_record.h"
 
 namespace dynoproof::diagnosis {
+
+/// Dry [N m] and viscous [N m s/rad] friction that differ with direction, as a torque of the speed [rad/s]. It creeps
+/// where the engine's sticks: below 1e-4 rad/s.
+inline std::function<double(double)> FrictionByDirection(double dry_forth, double dry_back, double viscous_forth,
+                                                         double viscous_back) {
+  return [=](double speed) {
+    const double rubs = std::tanh(speed / 1e-4);
+    return speed > 0.0 ? -dry_forth * rubs - viscous_forth * speed : -dry_back * rubs - viscous_back * speed;
+  };
+}
 
 /// Driven by `torque` at 10 kHz [N m], with white noise of `noise` of each output's spread.
 inline MappedRecord LineRecord(const blind::IndependentLine& line, std::vector<double> torque, double noise) {

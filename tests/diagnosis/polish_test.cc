@@ -5,8 +5,7 @@
 
 #include "diagnosis/fit.h"
 #include "diagnosis/shake.h"
-#include "experiment/prepare.h"
-#include "scenario/load.h"
+#include "tests/diagnosis/lumped_line.h"
 #include "tests/diagnosis/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -15,12 +14,9 @@ namespace {
 constexpr std::size_t kRows = 14001;
 constexpr double kNoise = 0.003;  // of each signal
 
-class SlowPolish : public testing::Test {
+class SlowPolish : public LumpedLine {
  protected:
   SlowPolish() {
-    RegisterBuiltIns(registry_);
-    Diagnostics diagnostics;
-    plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
     time_ = Shared(Times(kRows));
     record_.inputs["T_airgap"] = {time_, Shared(RandomTorque(kRows))};
     record_.end_s = time_->back();
@@ -52,8 +48,6 @@ class SlowPolish : public testing::Test {
     return Study(*plan_, {record_}, registry_);
   }
 
-  Registry registry_;
-  std::optional<Plan> plan_;
   std::shared_ptr<const std::vector<double>> time_;
   MappedRecord record_;
 };

@@ -5,9 +5,8 @@
 
 #include <cmath>
 
-#include "experiment/prepare.h"
-#include "scenario/load.h"
 #include "tests/diagnosis/line_record.h"
+#include "tests/diagnosis/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -15,14 +14,8 @@ namespace {
 constexpr std::size_t kRows = 7001;
 constexpr double kNoise = 0.003;  // of each signal
 
-class SlowReach : public testing::Test {
+class SlowReach : public LumpedLine {
  protected:
-  SlowReach() {
-    RegisterBuiltIns(registry_);
-    Diagnostics diagnostics;
-    plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-  }
-
   /// 0.7 s of a line that no engine code simulated, with noise; driven forward by so much on the whole.
   Study Measured(const blind::IndependentLine& line, double forward_Nm = 0.0) const {
     std::vector<double> torque = blind::IndependentTorque(kRows, 7, 300.0, 0.0);
@@ -39,9 +32,6 @@ class SlowReach : public testing::Test {
     Fitter(study, WhitenerOf(study, fit)).Derive(fit);
     return fit;
   }
-
-  Registry registry_;
-  std::optional<Plan> plan_;
 };
 
 // One look to either side is enough.
@@ -65,11 +55,7 @@ TEST_F(SlowReach, IsWhatTheCovarianceSaysWhereChi2IsAParabola) {
 TEST_F(SlowReach, GoesAsFarAsOneKindOfFrictionPassesForTheOther) {
   constexpr double kDry_Nm = 9.0, kViscous = 0.3;  // of the rarer direction
   blind::IndependentLine line;
-  line.load[4] = [](double speed) {
-    // Steep at rest: it slides below 1e-4 rad/s where the engine sticks.
-    const double dry = std::tanh(speed / 1e-4);
-    return speed > 0.0 ? -21.0 * dry - 1.2 * speed : -kDry_Nm * dry - kViscous * speed;
-  };
+  line.load[4] = FrictionByDirection(21.0, kDry_Nm, 1.2, kViscous);
   const Study study = Measured(line, 50.0);
   const Fit fit = FitOf(study, "asymmetric_friction", "inertia:I5", {21.0, kDry_Nm, 1.2, 8.0});
   ASSERT_TRUE(fit.ok()) << fit.broken;

@@ -9,9 +9,8 @@
 #include <functional>
 
 #include "diagnosis/candidates.h"
-#include "experiment/prepare.h"
-#include "scenario/load.h"
 #include "tests/diagnosis/line_record.h"
+#include "tests/diagnosis/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -25,14 +24,8 @@ std::function<double(double)> DeadZone(double dead_Nm) {
       [dead_Nm](double torque) { return std::abs(torque) < dead_Nm ? 0.0 : torque - std::copysign(dead_Nm, torque); };
 }
 
-class SlowSearch : public testing::Test {
+class SlowSearch : public LumpedLine {
  protected:
-  SlowSearch() {
-    RegisterBuiltIns(registry_);
-    Diagnostics diagnostics;
-    plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-  }
-
   /// 1.4 s of a line that no engine code simulated, with noise.
   std::vector<MappedRecord> Measured(const blind::IndependentLine& line) const {
     return {LineRecord(line, blind::IndependentTorque(kRows, 7), kNoise)};
@@ -42,9 +35,6 @@ class SlowSearch : public testing::Test {
     const std::filesystem::path saved = std::filesystem::path(testing::TempDir()) / "search_test_state.json";
     return Search(Study(*plan_, records, registry_), records, 1.0, {saved.string(), false, [](auto&&...) {}});
   }
-
-  Registry registry_;
-  std::optional<Plan> plan_;
 };
 
 // Its modes shift with the amplitude. Fitted to all of a record beside nominal values that are a little off, it leaves
