@@ -44,7 +44,15 @@ TEST_F(Measured, NothingHiddenIsNothingFound) {
   const nlohmann::json result = Diagnosed();
   EXPECT_EQ(result["verdict"], "no_effect") << result.dump(1);
   EXPECT_TRUE(result["effects"].empty());
-  EXPECT_FALSE(result["would_have_seen"].empty());
+  // What this record would have shown of an inertia is far less than the three and a half percent up to which the data
+  // sheet is in doubt; within that no change is called one.
+  int inertias = 0;
+  for (const nlohmann::json& seen : result["would_have_seen"]) {
+    if (seen["name"] != "inertia_change") continue;
+    ++inertias;
+    EXPECT_GT(seen["smallest"], 0.035) << seen.dump();
+  }
+  EXPECT_GT(inertias, 0);
 }
 
 TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
