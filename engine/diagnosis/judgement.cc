@@ -210,13 +210,12 @@ Status Judgement::Conclude() {
     for (const Screened& one : found_.screened) {
       const Candidate& candidate = found_.candidates[one.candidate];
       if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
-      const std::string name = candidate.effect->info().name, at = candidate.place.ToString();
       double smallest = one.smallest;
       for (const Doubt& doubt : study_.doubts()) {  // within the doubt about a number no change of it is an effect
-        if (doubt.effect == name && doubt.at == at) smallest = std::max(smallest, ChangeOf(doubt, kWithinDoubt));
+        if (Changes(candidate.At({}), doubt)) smallest = std::max(smallest, ChangeOf(doubt, kWithinDoubt));
       }
-      result_.would_have_seen.push_back(
-          {name, at, candidate.effect->info().parameters[candidate.strengths[0]].unit, smallest});
+      result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
+                                         candidate.effect->info().parameters[candidate.strengths[0]].unit, smallest});
     }
   }
   if (!known) return {};

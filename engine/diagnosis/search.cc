@@ -301,12 +301,12 @@ class Searching {
   Status DecideAnew(const Hypothesis& from, std::vector<Fit>& fits, Fit& nominal, std::vector<Structure>& structure) {
     study_ = &part_;
     fits = {FitAt(*study_, from)};
-    if (!fits.front().ok()) {
+    nominal = FitAt(*study_, nominal.hypothesis);
+    if (!fits.front().ok() || !nominal.ok()) {
       fits.clear();
       study_ = &whole_;
       return {};
     }
-    nominal = FitAt(*study_, nominal.hypothesis);
     contest_.Decide(EntrantsOf(found_.screened), fits, nominal);
     return ToTheWhole(nominal, fits, structure);
   }
