@@ -13,6 +13,7 @@ constexpr double kContender = 0.25;   // of the nominal model's excess of chi2: 
 constexpr int kLaps = 5;              // of the race to the end
 constexpr double kStride = 0.1;       // of the gap to the best: less in a lap, and a rival is out
 constexpr double kStrained = 2.5;     // spreads: of a dozen nominal values one lies that far off by chance in six cases
+constexpr std::size_t kRegrown = 4;   // causes that begin anew on parts that grow
 constexpr double kBeaten = 2.0;       // times the best one's chi2 beside the same doubts: no rival any more
 
 }  // namespace
@@ -198,7 +199,6 @@ bool Contest::AtFloor(const Fit& fit) const {
 /// grow. Fitted to all of a line that rings out of step they may have left a size that was right. Not beside a change
 /// of structure, which short parts do not tell, and which comes to its place by itself.
 void Contest::Regrow(const std::vector<Assumed>& entrants, std::vector<Fit>& fits) {
-  constexpr std::size_t kRegrown = 4;
   const Fitter fitter(study_, WhitenerOf(study_, fits.front(), 0));
   Sort(fitter, fits);
   for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()); ++k) {
@@ -330,6 +330,35 @@ Fit Contest::Grown(const Fit& cold, const Fitter& last) {
   }
   Fit fit = FitAt(study_, std::move(at));
   return fit.ok() ? FromItsOwn(std::move(fit), last) : cold;
+}
+
+std::optional<Hypothesis> Contest::FromAnyStart(const std::vector<Assumed>& starts) {
+  if (rungs_.empty()) return std::nullopt;
+  const Study& shortest = rungs_.front();
+  std::vector<Fit> fits;
+  for (const Assumed& start : starts) {
+    step_("from any start: " + start.ToString(), 0.96);
+    Hypothesis at = study_.Nominal();
+    at.effects = {start};
+    Fit fit = FitAt(shortest, std::move(at));
+    for (int k = 0; k < 2 && fit.ok(); ++k)
+      fit = Fitter(shortest, WhitenerOf(shortest, fit, 0)).Polish(std::move(fit), 4);
+    simulations_ += fit.simulations;
+    if (fit.ok()) fits.push_back(std::move(fit));
+  }
+  // By the noise of the one that leaves least: beside much larger residuals only the doubts would count.
+  for (int k = 0; k < 2 && !fits.empty(); ++k) Sort(Fitter(shortest, WhitenerOf(shortest, fits.front(), 0)), fits);
+  std::set<std::string> begun;
+  for (const Fit& fit : fits) {
+    if (begun.size() >= kRegrown) break;
+    if (!begun.insert(fit.Name()).second) continue;
+    step_("from a short part: " + fit.Name(), 0.96);
+    Fit anew;
+    anew.hypothesis = fit.hypothesis;
+    anew = Grown(anew, Fitter(study_, WhitenerOf(study_, FitAt(study_, study_.Nominal()), 0)));
+    if (AtFloor(anew)) return anew.hypothesis;
+  }
+  return std::nullopt;
 }
 
 }  // namespace dynoproof::diagnosis

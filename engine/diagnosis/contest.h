@@ -42,6 +42,9 @@ class Contest {
   /// The same, but the effects have all their freedom from the beginning, and each part is little longer than the last:
   /// modes and effects stay in step where neither was right.
   Fit Grown(const Fit& cold, const Fitter& last);
+  /// Each cause begins anew on the shortest part from all its `starts`, of which it keeps the best; the best causes go
+  /// on over parts that grow. The first that comes to the noise, if any.
+  std::optional<Hypothesis> FromAnyStart(const std::vector<Assumed>& starts);
 
   int simulations() const { return simulations_; }
 

@@ -93,6 +93,23 @@ Standing Compare(const Study& study, const Fit& nominal, const std::vector<doubl
   return standing;
 }
 
+bool LeavesTheSignal(const Study& study, const Fit& null, const Fit& best) {
+  constexpr double kMost = 0.5;
+  double most = 0.0;
+  bool leaves = false;
+  for (const Channel& c : study.channels()) {
+    const auto rms = [&](const Fit& fit) {
+      return RmsOf(study.measured().segment(c.begin, c.count) - fit.predicted.segment(c.begin, c.count));
+    };
+    const double before = rms(null), after = rms(best);
+    const double gain = static_cast<double>(c.count) * (before * before / std::max(after * after, 1e-300) - 1.0);
+    if (gain <= most) continue;
+    most = gain;
+    leaves = after > kMost * before && after > kMost * c.spread;
+  }
+  return leaves;
+}
+
 std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold) {
   // exp(10 / 2): odds of 150 to 1 tell two candidates apart. Less than one more parameter costs (log n = 11), so that a
   // law and its generalisation are never both in the set.

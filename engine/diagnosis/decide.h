@@ -29,6 +29,11 @@ double Threshold(double rows, std::size_t candidates);
 Standing Compare(const Study& study, const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
                  const std::vector<double>& blocks, double rows, std::size_t candidates);
 
+/// Whether the best fit leaves more than half of what there is to explain, and more than half of the signal, in the
+/// channel in which it gains most: motion that is missed may be as white as noise where it is chaotic, but not as
+/// small.
+bool LeavesTheSignal(const Study& study, const Fit& null, const Fit& best);
+
 /// Drops what is more complex without being better, and returns the fits (by number) that cannot be told from the best
 /// (fits[0], best criterion first).
 std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold);

@@ -135,10 +135,11 @@ void Judgement::Judge() {
     }
   }
   fits = std::move(standing);
-  const bool rest = AnyFound(structure);
+  bool rest = AnyFound(structure);
   for (std::size_t c = 0; c < structure.size(); ++c)
     result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
   result_.white = std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
+  rest = rest || (!result_.white && !fits.empty() && LeavesTheSignal(study_, null, fits.front()));
   result_.at_noise_floor = !rest;
   if (fits.empty()) {
     result_.verdict = Verdict::kUnexplained;

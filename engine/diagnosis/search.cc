@@ -110,8 +110,10 @@ class Searching {
       best = ToTheEnd(std::move(best), 8);
       if (AnyFound(StructureOf(best)) && !Rubs(best)) {
         best = InStep(std::move(best));
-        if (!fits.empty() && !AnyFound(StructureOf(best))) {
-          if (Status failed = AskAgain(null, fits)) return *failed;
+        const std::optional<Hypothesis> found =
+            AnyFound(StructureOf(best)) ? contest_.FromAnyStart(StartsBeside(fits)) : std::optional(best.hypothesis);
+        if (found && !found->effects.empty()) {
+          if (Status failed = AskAgain(*found, null, fits)) return *failed;
         }
       }
       const Fitter fitter(*study_, WhitenerOf(*study_, fits.empty() ? null : fits.front()));
@@ -311,14 +313,33 @@ class Searching {
     return ToTheWhole(nominal, fits, structure);
   }
 
-  /// The best fit (the first) has come to the noise after all: whoever was beaten while nobody was there is asked
-  /// again, beside the doubts as it has them.
-  Status AskAgain(Fit& null, std::vector<Fit>& fits) {
+  /// Where nobody explains the data: all that moves modes, and whatever else can be wrong where the best fit (the
+  /// first) sees something, at all sizes that a search starts from. The screening has seen one of them, beside modes
+  /// that were out of step.
+  std::vector<Assumed> StartsBeside(const std::vector<Fit>& fits) const {
+    const Assumed* best = fits.empty() ? nullptr : &fits.front().hypothesis.effects.back();
+    std::vector<Assumed> starts;
+    for (const Candidate& candidate : found_.candidates) {
+      const bool here = best != nullptr && candidate.place == best->place && candidate.effect != best->effect;
+      for (const std::vector<double>& start : candidate.starts) {
+        Assumed assumed = candidate.At(start);
+        if (ChangesStructure(assumed) || IsDryFriction(*assumed.effect)) break;
+        const bool moves = std::any_of(study_->doubts().begin(), study_->doubts().end(),
+                                       [&](const Doubt& doubt) { return Changes(assumed, doubt); });
+        if (here || moves) starts.push_back(std::move(assumed));
+      }
+    }
+    return starts;
+  }
+
+  /// Somebody has come to the noise after all: whoever was beaten while nobody was there is asked again, beside the
+  /// doubts as that one has them.
+  Status AskAgain(const Hypothesis& found, Fit& null, std::vector<Fit>& fits) {
     std::vector<Fit> again;
     std::vector<Structure> left;
     Fit nominal = null;
     contest_.Recall(beaten_);
-    if (Status failed = DecideAnew(fits.front().hypothesis, again, nominal, left)) return failed;
+    if (Status failed = DecideAnew(found, again, nominal, left)) return failed;
     if (again.empty() || AnyFound(left)) return {};
     const Fitter last(*study_, WhitenerOf(*study_, again.front()));
     Sort(last, again);

@@ -42,5 +42,27 @@ TEST_F(SlowContest, WhoWasBeatenIsAskedAgainBesideTheLeader) {
   EXPECT_EQ(winner({drift}), "sensor_drift@output:omega_1");
 }
 
+// A mode that has moved by more than its width leaves no slope to follow: from two percent no search comes to a shaft
+// that is a sixth softer beside values that are a percent off.
+TEST_F(SlowContest, SomeStartLeadsToASofterShaft) {
+  blind::IndependentLine line;
+  line.stiffness[3] *= 0.83;
+  line.stiffness[2] *= 1.012;
+  line.inertia[3] *= 0.99;
+  ASSERT_TRUE(plan_);
+  const Study study(*plan_, {LineRecord(line, blind::IndependentTorque(7001, 7), 0.003)}, registry_);
+  SavedFits saved((std::filesystem::path(testing::TempDir()) / "contest_test_starts.json").string(), false, study);
+  Contest contest(study, saved, [](auto&&...) {});
+  const auto softer = [&](double delta) {
+    return Assumed{registry_.FindEffect("stiffness_change"), *ParsePlace("shaft:k4"), {delta}};
+  };
+  const Assumed load = {registry_.FindEffect("constant_load"), *ParsePlace("inertia:I4"), {-1.0}};
+  EXPECT_FALSE(contest.FromAnyStart({softer(0.02), load}));
+  const std::optional<Hypothesis> found = contest.FromAnyStart({softer(0.02), load, softer(-0.3), softer(0.2)});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->effects.front().ToString(), softer(0.0).ToString());
+  EXPECT_NEAR(found->effects.front().parameters.front(), -0.17, 0.01);
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis
