@@ -54,6 +54,8 @@ parameters = { c_f = 0.1 }
   EXPECT_NEAR(c_f["value"], 0.1, 1e-3);
   EXPECT_LT(c_f["ci95"][0], 0.1);
   EXPECT_GT(c_f["ci95"][1], 0.1);
+  EXPECT_THAT(result["notes"].dump(), ::testing::HasSubstr("s of the data count: with play the motion is chaotic"));
+  EXPECT_EQ(bench_.Call({"run", "found/extended.toml"}).exit, 0);
 }
 
 // Sec. 4.3: spring and damper in parallel do not describe a coupling whose damping is the oil's.
