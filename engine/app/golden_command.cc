@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
+#include "app/extension.h"
 #include "experiment/golden.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
@@ -63,7 +64,22 @@ std::string ShellQuoted(const std::string& text) {
   return quoted + "'";
 }
 
-int Bless(const Common& common, const std::string& id, const std::string& reason) {
+struct BlessArguments {
+  Common common;
+  std::string id, reason;
+  EvidenceRecords records;
+};
+
+/// The reason as golden/<id>.toml keeps it: with the gain that spoke for an extension.
+std::string ReasonWith(std::string reason, const std::optional<diagnosis::Evidence>& evidence) {
+  if (!evidence) return reason;
+  reason.erase(reason.find_last_not_of(" \t\n") + 1);
+  const bool ended = reason.ends_with('.') || reason.ends_with('!') || reason.ends_with('?');
+  return reason + (ended ? " " : ". ") + diagnosis::GainSentence(*evidence);
+}
+
+int Bless(const BlessArguments& arguments) {
+  const auto& [common, id, reason, records] = arguments;
   const auto refuse = [](const std::string& why) {
     Complain("bless refused: " + why + "\n");
     return kUsage;
@@ -84,6 +100,16 @@ int Bless(const Common& common, const std::string& id, const std::string& reason
   std::unique_ptr<Prepared> prepared;
   if (files.size() == 1) prepared = Prepare(files[0], {}, *registry, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
+  Diagnostics of_records;
+  const Result<std::optional<diagnosis::Evidence>> evidence = EvidenceFor(*prepared, records, *registry, of_records);
+  Report(of_records);
+  if (!evidence.ok()) {
+    if (evidence.failure().exit_code == kUsage) return refuse(evidence.failure().ToString());
+    Complain(evidence.failure().ToString() + "\n");
+    return evidence.failure().exit_code;
+  }
+  if (*evidence && !(*evidence)->lacking.empty())
+    return refuse((*evidence)->lacking + "\n" + diagnosis::ToTable(**evidence));
   const std::filesystem::path out =
       std::filesystem::temp_directory_path() / fmt::format("dynoproof-bless-{}", getpid());
   RunOptions options;
@@ -103,13 +129,17 @@ int Bless(const Common& common, const std::string& id, const std::string& reason
     failing += fmt::format("  {}: {}\n", check.name, check.explanation);
   }
   if (!failing.empty()) return refuse("other checks of the scenario fail:\n" + failing);
-  if (const Status failed = WriteGolden(prepared->plan.id, *trace, reason)) {
+  const std::string kept_reason = ReasonWith(reason, *evidence);
+  if (const Status failed = WriteGolden(prepared->plan.id, *trace, kept_reason)) {
     Complain(failed->ToString() + "\n");
     return failed->exit_code == 2 ? kUsage : kBroken;
   }
+  if (*evidence) Print(common, diagnosis::ToTable(**evidence));
   Print(common, fmt::format("golden/{0}.h5 and golden/{0}.toml now hold this run; look at the change and commit it\n",
                             prepared->plan.id));
-  return WriteJson(common, {{"id", prepared->plan.id}, {"reason", reason}});
+  nlohmann::json document = {{"id", prepared->plan.id}, {"reason", kept_reason}};
+  if (*evidence) document["evidence"] = diagnosis::ToJson(**evidence);
+  return WriteJson(common, document);
 }
 
 }  // namespace
@@ -132,18 +162,26 @@ void AddCompare(CLI::App& program, int& exit) {
 }
 
 void AddBless(CLI::App& program, int& exit) {
-  struct Arguments {
-    Common common;
-    std::string id, reason;
-  };
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<BlessArguments>();
   CLI::App* command = program.add_subcommand("bless", "make this run the golden one; needs a reason and a clean tree");
   command->add_option("id", arguments->id, "the scenario")->required();
   command->add_option("--reason", arguments->reason, "why the new trace is right");
+  command->add_option("--holdout", arguments->records.holdout,
+                      "for a scenario with [extension]: record that took no part in the diagnosis");
+  command
+      ->add_option("--record", arguments->records.others,
+                   "another recorded experiment, which must not become worse; may be given several times")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--map", arguments->records.maps,
+                   "which column is which signal; one for all records, or one each: those of --record, then --holdout")
+      ->allow_extra_args(false);
   AddCommon(*command, arguments->common);
   AddExamples(*command,
-              "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"");
-  command->callback([arguments, &exit] { exit = Bless(arguments->common, arguments->id, arguments->reason); });
+              "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"\n"
+              "  dynoproof bless line_extended --reason \"friction at I3\" --holdout new.csv --record old.csv\n"
+              "What diagnose extended is taken only if it foretells the hold-out better and no record worse (95 %).");
+  command->callback([arguments, &exit] { exit = Bless(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -24,6 +24,8 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
   const std::unique_ptr<Prepared> prepared = Prepare(result.file, options, registry, diagnostics);
   if (prepared == nullptr) return std::nullopt;
   result.plan = prepared->plan;
+  result.own = prepared->data;
+  result.own_fault = prepared->record_fault;
   const std::vector<SignalName> inputs = InputNames(*prepared->rig), outputs = OutputNames(*prepared->rig);
   const std::size_t records = data.size() + holdout.size();
   if (maps.size() > 1 && maps.size() != records) {

@@ -16,6 +16,8 @@ struct MeasuredCase {
   std::string file;  // of the scenario
   Plan plan;         // its own effects applied
   std::vector<MappedRecord> data, holdout;
+  std::shared_ptr<const MappedRecord> own;  // of the scenario's [record], where it names a file
+  std::string own_fault;                    // why there is none although it does
 };
 
 /// Loads scenario and records; one map serves all records, or each its own (first those of --data, then --holdout).

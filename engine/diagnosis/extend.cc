@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/atomic_file.h"
+#include "scenario/load.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
@@ -25,6 +26,21 @@ std::string Number(double value) {
 std::string IncludeOf(const DiagnoseOptions& options) {
   const fs::path file = fs::weakly_canonical(options.scenario_file), out = fs::weakly_canonical(options.out);
   return fs::relative(file, out).generic_string();
+}
+
+/// The nominal scenario as `bless` finds it from any folder: by its id, or by its place where it is none of the
+/// library.
+std::string NominalOf(const Study& study, const DiagnoseOptions& options) {
+  const fs::path file = fs::weakly_canonical(options.scenario_file);
+  const fs::path by_id = fs::weakly_canonical(fs::path(ScenarioFolder()) / (study.plan().id + ".toml"));
+  return file == by_id ? study.plan().id : file.generic_string();
+}
+
+/// [extension]. `set` stands there even with nothing in it: the extension of an extension would inherit the other's.
+std::string ExtensionTable(const Study& study, const DiagnoseOptions& options) {
+  Value::Array set;
+  for (const std::string& change : options.overrides) set.emplace_back(change);
+  return ToToml(Value{{"extension", Value{{"of", NominalOf(study, options)}, {"set", std::move(set)}}}});
 }
 
 Result<std::string> Write(const DiagnoseOptions& options, const char* name, const std::string& text) {
@@ -139,6 +155,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     lines.emplace_back(table, text_of);
     tables.insert(table);
   }
+  text += ExtensionTable(study, options);
   for (const std::string& table : tables) {
     text += fmt::format("\n[{}]\n", table);
     for (const auto& [in, line] : lines) {

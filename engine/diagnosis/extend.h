@@ -9,7 +9,8 @@
 
 namespace dynoproof::diagnosis {
 
-/// `out`/extended.toml: the scenario by include, the nominal values that were fitted along, and one [[effect]] each.
+/// `out`/extended.toml: the scenario by include, what it extends, the nominal values that were fitted along, and one
+/// [[effect]] each.
 Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
                                   const DiagnoseOptions& options);
 

@@ -54,6 +54,14 @@ std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::Vecto
   return all;
 }
 
+Result<std::map<std::string, SignalGain>> MeasureGains(const Study& study, const Plan& before, const Plan& after,
+                                                       double from) {
+  const Result<Eigen::VectorXd> b = study.PredictPlan(before), a = study.PredictPlan(after);
+  if (!b.ok()) return b.failure();
+  if (!a.ok()) return a.failure();
+  return GainsOf(study, *b, *a, from);
+}
+
 double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted) {
   double sum = 0.0;
   for (const Channel& c : study.channels()) {

@@ -17,6 +17,10 @@ struct SignalGain {
 std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::VectorXd& before,
                                           const Eigen::VectorXd& after, double from);
 
+/// What plan `after` gains on plan `before`, both predicted for the study's records. Fails where a run breaks.
+Result<std::map<std::string, SignalGain>> MeasureGains(const Study& study, const Plan& before, const Plan& after,
+                                                       double from = 0.0);
+
 /// RMS over the channels of the NRMSE.
 double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted);
 

@@ -292,10 +292,9 @@ Status Judgement::MeasureGain(const Fit& best) {
   for (std::size_t i = 0; i < start.z.size(); ++i) {
     if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
   }
-  const Result<Eigen::VectorXd> before = study_.Predict(start), after = study_.Predict(best.hypothesis);
-  if (!before.ok()) return before.failure();
-  if (!after.ok()) return after.failure();
-  result_.train = GainsOf(study_, *before, *after, 0.0);
+  const auto train = MeasureGains(study_, study_.PlanOf(start), study_.PlanOf(best.hypothesis));
+  if (!train.ok()) return train.failure();
+  result_.train = *train;
   const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), result_.counted,
                    study_.decompositions());
   Hypothesis chosen = best.hypothesis;
@@ -304,11 +303,11 @@ Status Judgement::MeasureGain(const Fit& best) {
       if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
     }
   }
-  const Result<Eigen::VectorXd> b = full.Predict(start), a = full.Predict(chosen);
-  if (!b.ok()) return b.failure();
-  if (!a.ok()) return a.failure();
+  const auto holdout =
+      MeasureGains(full, full.PlanOf(start), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
+  if (!holdout.ok()) return holdout.failure();
   result_.simulations += 4;
-  result_.holdout = GainsOf(full, *b, *a, result_.own_holdout ? 0.0 : kTrainingShare);
+  result_.holdout = *holdout;
   double sum_before = 0.0, sum_after = 0.0;
   for (const auto& [name, gain] : result_.holdout) {
     sum_before += gain.before * gain.before;

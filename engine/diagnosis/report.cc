@@ -16,15 +16,6 @@ json Spans(const std::vector<std::pair<double, double>>& spans) {
   return out;
 }
 
-json Gains(const std::map<std::string, SignalGain>& gains, bool interval) {
-  json out = json::object();
-  for (const auto& [name, gain] : gains) {
-    out[name] = {{"nrmse_before", gain.before}, {"nrmse_after", gain.after}};
-    if (interval) out[name]["gain_ci95"] = {gain.lower, gain.upper};
-  }
-  return out;
-}
-
 std::string Joined(const std::vector<std::pair<double, double>>& spans, const char* unit) {
   std::string text;
   for (std::size_t i = 0; i < spans.size() && i < 6; ++i)
@@ -34,6 +25,15 @@ std::string Joined(const std::vector<std::pair<double, double>>& spans, const ch
 }
 
 }  // namespace
+
+json ToJson(const std::map<std::string, SignalGain>& gains, bool interval) {
+  json out = json::object();
+  for (const auto& [name, gain] : gains) {
+    out[name] = {{"nrmse_before", gain.before}, {"nrmse_after", gain.after}};
+    if (interval) out[name]["gain_ci95"] = {gain.lower, gain.upper};
+  }
+  return out;
+}
 
 json ToJson(const Diagnosis& d) {
   json out = {{"verdict", ToString(d.verdict)},
@@ -53,7 +53,7 @@ json ToJson(const Diagnosis& d) {
                 {"p_value", d.p_value},
                 {"floor_by_signal", d.floor_by_signal},
                 {"rms_by_signal", d.residual_by_signal}}},
-              {"gain", {{"train", Gains(d.train, false)}, {"holdout", Gains(d.holdout, true)}}},
+              {"gain", {{"train", ToJson(d.train, false)}, {"holdout", ToJson(d.holdout, true)}}},
               {"extended_scenario", d.extended_scenario},
               {"would_have_seen", json::array()},
               {"considered", json::array()},

@@ -9,6 +9,8 @@
 namespace dynoproof::diagnosis {
 
 nlohmann::json ToJson(const Diagnosis& diagnosis);
+/// NRMSE before and after by signal, and the gain's interval if asked for.
+nlohmann::json ToJson(const std::map<std::string, SignalGain>& gains, bool interval);
 /// Verdict first, then cause, gain, what was considered and why not.
 std::string ToTable(const Diagnosis& diagnosis);
 

@@ -165,6 +165,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   for (const std::string& name : KeysOfSection(plan, "output")) names.outputs.emplace_back().name = name;
   const Rig& rig = prepared->rig != nullptr ? *prepared->rig : names;
   ReadAnalysis(plan, rig, diagnostics);
+  ReadExtension(plan, diagnostics);
   prepared->record = ReadRecordSettings(plan, rig, diagnostics);
   // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
   if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);

@@ -7,10 +7,10 @@
 namespace dynoproof {
 namespace {
 
-const std::vector<std::string> kTopLevel = {"title",  "source",  "include", "run",     "plant",
-                                            "part",   "control", "input",   "output",  "analysis",
-                                            "check",  "effect",  "record",  "variant", "prediction_window_s",
-                                            "budget", "without"};
+const std::vector<std::string> kTopLevel = {"title",  "source",  "include",  "run",     "plant",
+                                            "part",   "control", "input",    "output",  "analysis",
+                                            "check",  "effect",  "record",   "variant", "prediction_window_s",
+                                            "budget", "without", "extension"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {
@@ -104,6 +104,26 @@ std::vector<EffectUse> ReadEffects(const Plan& plan, Diagnostics& diagnostics) {
     }
   }
   return uses;
+}
+
+void ExtensionSpec::Check(Faults& faults) const {
+  if (of.empty()) faults.At("of", "\"of\" names no scenario", "write the id of the nominal scenario, or its file");
+  for (const std::string& change : set) {
+    if (const std::size_t equals = change.find('='); equals == std::string::npos || equals == 0)
+      faults.At("set", fmt::format("\"{}\" is no override", change), "write set = [\"path.to.key=value\"]");
+  }
+}
+
+std::optional<ExtensionSpec> ReadExtension(const Plan& plan, Diagnostics& diagnostics) {
+  const Value* table = plan.root.Find("extension");
+  if (table == nullptr) return std::nullopt;
+  if (!table->is_table()) {
+    diagnostics.Error(table->where(), "\"extension\" is " + table->KindName(), "write [extension] with of = \"...\"");
+    return std::nullopt;
+  }
+  ExtensionSpec spec;
+  if (!ReadParams(*table, spec, diagnostics, "extension")) return std::nullopt;
+  return spec;
 }
 
 void CheckTopLevel(const Plan& plan, Diagnostics& diagnostics) {

@@ -1,6 +1,7 @@
 // The Plan: a scenario after includes and overrides, before it is built. Fits and effects change its values by path.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,6 +75,14 @@ struct EffectUse {
   void Visit(auto& v);
 };
 
+/// [extension]: the scenario is another one with what a diagnosis found. `bless` asks for evidence against that one.
+struct ExtensionSpec {
+  std::string of;                // the nominal scenario: an id, or a file
+  std::vector<std::string> set;  // "KEY=VALUE": what --set had changed in it
+  void Visit(auto& v);
+  void Check(Faults& faults) const;
+};
+
 /// The sections of a plan, decoded; faults become diagnostics.
 RunSettings ReadRun(const Plan& plan, Diagnostics& diagnostics);
 /// run.realtime.substeps of a plan whose [run] is in order, the default where it says nothing.
@@ -82,6 +91,8 @@ void SetSubsteps(Plan& plan, int substeps);
 std::vector<std::pair<std::string, InputSpec>> ReadInputs(const Plan& plan, Diagnostics& diagnostics);
 std::vector<std::pair<std::string, OutputSpec>> ReadOutputs(const Plan& plan, Diagnostics& diagnostics);
 std::vector<EffectUse> ReadEffects(const Plan& plan, Diagnostics& diagnostics);
+/// Nothing where the plan has no [extension], or a faulty one.
+std::optional<ExtensionSpec> ReadExtension(const Plan& plan, Diagnostics& diagnostics);
 /// Reports keys of the top level that no section has.
 void CheckTopLevel(const Plan& plan, Diagnostics& diagnostics);
 
@@ -130,6 +141,11 @@ void EffectUse::Visit(auto& v) {
   v.Required("name", name, Any(), "name of the effect");
   v.Required("at", at, Any(), "place, as kind:name");
   v.Optional("parameters", parameters, Any(), "its parameters");
+}
+
+void ExtensionSpec::Visit(auto& v) {
+  v.Required("of", of, Any(), "the nominal scenario that is extended: an id, or a file");
+  v.Optional("set", set, Any(), "KEY=VALUE, as for --set: what else made the nominal model");
 }
 
 }  // namespace dynoproof

@@ -9,6 +9,7 @@
 
 #include "tests/acceptance/spoil.h"
 #include "tests/support/program.h"
+#include "tests/support/project.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::test {
@@ -98,22 +99,12 @@ TEST(ClosedPipe, IsAnErrorAndNoDeathWithoutAWord) {
   EXPECT_THAT(outcome.out, ::testing::AnyOf("0\n", "3\n"));
 }
 
-/// A project of its own: scenarios/, golden/, under git, with one blessed scenario.
-class Golden : public ::testing::Test {
+/// With one blessed scenario.
+class Golden : public Project {
  protected:
   void SetUp() override {
     bench_.Write("scenarios/line.toml", std::string(Bench::kLine) + "\n[[check]]\nkind = \"golden\"\n");
-    fs::create_directories(bench_ / "golden");
-    bench_.Write("golden/README.md", "golden traces\n");
-    Git("init -q .");
-    Git("add -A");
-    Git("commit -q -m start");
-    options_.environment["DYNOPROOF_SCENARIOS"] = (bench_ / "scenarios").string();
-  }
-  void Git(const std::string& arguments) {
-    const Outcome outcome = bench_.Call({"-c", "git -c user.name=t -c user.email=t@example.com " + arguments},
-                                        {.environment = {{"GIT_CONFIG_GLOBAL", "/dev/null"}}, .program = "sh"});
-    ASSERT_EQ(outcome.exit, 0) << arguments << outcome.Both();
+    Begin();
   }
   Outcome Bless(const std::vector<std::string>& more, const CallOptions& options) {
     std::vector<std::string> arguments = {"bless", "line"};
@@ -126,9 +117,6 @@ class Golden : public ::testing::Test {
     return bench_.Call(arguments, options_);
   }
   fs::path golden() const { return bench_ / "golden/line.h5"; }
-
-  Bench bench_;
-  CallOptions options_;
 };
 
 TEST_F(Golden, IsBlessedWithAReasonAndThenHolds) {

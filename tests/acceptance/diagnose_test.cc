@@ -6,6 +6,7 @@
 
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
+#include "tests/support/project.h"
 #include "trace/csv.h"
 
 namespace dynoproof::test {
@@ -66,10 +67,38 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   EXPECT_GT(ci[1], 0.3);
   EXPECT_GT(result["gain"]["holdout"]["T_shaft"]["gain_ci95"][0], 0.0);
   EXPECT_EQ(Call({"run", "found/extended.toml"}).exit, 0);
+  // A scenario that is none of the library is named by its place.
+  EXPECT_THAT(ReadBytes(bench_ / "found/extended.toml"),
+              HasSubstr("\n[extension]\nof = \"" + std::filesystem::canonical(bench_ / "line.toml").string() + "\"\n"));
   const std::string page = ReadBytes(bench_ / "found/page.html");
   for (const char* text :
        {"inertia_change", "measured - simulated", "mean residual over", "What was considered", "extended"})
     EXPECT_THAT(page, HasSubstr(text));
+}
+
+/// From the diagnosis to the golden trace, with a nominal model that --set has made.
+TEST_F(Project, TakesWhatADiagnosisHasExtended) {
+  bench_.Write("scenarios/line.toml", Bench::kLine);
+  Begin();
+  const auto record = [&](const std::string& name, const std::string& amplitude, std::uint64_t seed) {
+    std::vector<std::string> run = {"line.toml"};
+    for (const std::string change : {"run.duration_s=0.6", "plant.inertia.I3=0.65", "plant.inertia.I2=0.4"})
+      run.insert(run.end(), {"--set", change});
+    run.insert(run.end(), {"--set", "input.T_airgap.source.amplitude=" + amplitude});
+    ASSERT_FALSE(trace::WriteCsv(
+        bench_ / name, NoisyRecord(bench_, run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"}, 0.01, seed)));
+  };
+  record("record.csv", "100.0", 3);
+  record("holdout.csv", "80.0", 4);
+  const nlohmann::json result = bench_.Json(
+      {"diagnose", "line", "--set", "plant.inertia.I2=0.4", "--data", "record.csv", "--out", "scenarios"}, options_);
+  ASSERT_EQ(result["verdict"], "effect_found") << result.dump(1);
+  EXPECT_THAT(ReadBytes(bench_ / "scenarios/extended.toml"),
+              HasSubstr("\n[extension]\nof = \"line\"\nset = [\"plant.inertia.I2=0.4\"]\n"));
+  const Outcome alone = bench_.Call({"bless", "extended", "--reason", "r"}, options_);
+  EXPECT_EQ(alone.exit, 2) << alone.Both();
+  const Outcome blessed = bench_.Call({"bless", "extended", "--reason", "r", "--holdout", "holdout.csv"}, options_);
+  EXPECT_EQ(blessed.exit, 0) << blessed.Both();
 }
 
 TEST_F(Measured, AChangeThatTheDoubtsCouldHideIsNamedWhereItIsFarBeyondThem) {
