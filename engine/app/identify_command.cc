@@ -1,11 +1,16 @@
 // dynoproof identify
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
 #include "app/measured.h"
+#include "base/atomic_file.h"
 #include "diagnosis/identify.h"
 
 namespace dynoproof::app {
@@ -14,9 +19,55 @@ namespace {
 struct IdentifyArguments {
   Common common;
   std::string scenario;
-  std::vector<std::string> data, maps, overrides, free;
+  std::vector<std::string> data, maps, overrides, free, bounds;
+  diagnosis::IdentifyMethod method = diagnosis::IdentifyMethod::kFreeRun;
+  std::string out;
   int starts = 4;
 };
+
+/// KEY=LOW:HIGH, of one of the keys.
+void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, Diagnostics& diagnostics) {
+  const std::size_t equals = text.find('='), colon = text.find(':', equals);
+  const auto number = [&](std::size_t from, std::size_t to) {
+    const std::string part = text.substr(from, to - from);
+    char* end = nullptr;
+    const double value = std::strtod(part.c_str(), &end);
+    return !part.empty() && *end == '\0' ? value : std::nan("");
+  };
+  if (equals != std::string::npos && colon != std::string::npos) {
+    const double low = number(equals + 1, colon), high = number(colon + 1, text.size());
+    const auto key = std::find_if(keys.begin(), keys.end(),
+                                  [&](const diagnosis::FreeKey& one) { return one.key == text.substr(0, equals); });
+    if (key == keys.end()) {
+      diagnostics.Error({"--bound"}, fmt::format("\"{}\" is none of the --free keys", text.substr(0, equals)));
+      return;
+    }
+    if (std::isfinite(low) && std::isfinite(high) && low < high) {
+      key->bounds = {low, high};
+      return;
+    }
+  }
+  diagnostics.Error({"--bound"}, fmt::format("\"{}\" gives no bounds", text),
+                    "KEY=LOW:HIGH, e.g. plant.inertia.I5=0.01:10");
+}
+
+/// The numbers to fit, each with a magnitude to search around.
+std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Plan& plan,
+                                         Diagnostics& diagnostics) {
+  std::vector<diagnosis::FreeKey> keys;
+  for (const std::string& key : arguments.free) keys.push_back({key, std::nullopt});
+  for (const std::string& bound : arguments.bounds) ReadBound(bound, keys, diagnostics);
+  for (const diagnosis::FreeKey& free : keys) {
+    const Value* value = plan.root.FindPath(free.key);
+    if (value == nullptr || !value->is_number())
+      diagnostics.Error({"--free"}, fmt::format("\"{}\" is no number of the scenario", free.key),
+                        "a dotted path such as plant.inertia.I5");
+    else if (value->number() == 0.0 && !free.bounds)
+      diagnostics.Error({"--free"}, fmt::format("\"{}\" is 0: it gives no magnitude to search around", free.key),
+                        fmt::format("--bound {0}=LOW:HIGH, or --set {0}=VALUE", free.key));
+  }
+  return keys;
+}
 
 int Identify(const IdentifyArguments& arguments) {
   Diagnostics diagnostics;
@@ -24,24 +75,22 @@ int Identify(const IdentifyArguments& arguments) {
   const std::optional<MeasuredCase> measured =
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, {}, arguments.overrides, *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
-  for (const std::string& key : arguments.free) {
-    const Value* value = measured->plan.root.FindPath(key);
-    if (value == nullptr || !value->is_number())
-      diagnostics.Error({"--free"}, fmt::format("\"{}\" is no number of the scenario", key),
-                        "a dotted path such as plant.inertia.I5");
-    else if (value->number() == 0.0)
-      diagnostics.Error({"--free"}, fmt::format("\"{}\" is 0: it gives no magnitude to search around", key),
-                        fmt::format("--set {}=VALUE", key));
-  }
+  const std::vector<diagnosis::FreeKey> keys = FreeKeys(arguments, measured->plan, diagnostics);
+  const auto whole = [](const std::string& path) {
+    return path.empty() ? std::filesystem::path() : std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  const std::filesystem::path out = whole(arguments.out), file = whole(measured->file);
+  if (out == file)
+    diagnostics.Error({"--out"}, "is the scenario itself, which the new file includes", "give it another name");
   if (Report(diagnostics) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
     if (!record.outputs.empty()) continue;
     Complain(fmt::format("{}: no output of the scenario is in it: nothing to compare\n", record.file));
     return kUndecided;
   }
-  const Result<diagnosis::Identified> result =
-      diagnosis::Identify(measured->plan, measured->data, *registry, arguments.free, arguments.starts,
-                          [](double done) { ShowProgress("fitting", done); });
+  const Result<diagnosis::Identified> result = diagnosis::Identify(
+      measured->plan, measured->data, *registry,
+      {keys, arguments.method, arguments.starts, [](double done) { ShowProgress("fitting", done); }});
   ClearProgress();
   if (!result.ok()) {
     Complain(result.failure().ToString() + "\n");
@@ -51,6 +100,15 @@ int Identify(const IdentifyArguments& arguments) {
   nlohmann::json document = diagnosis::ToJson(*result);
   const int exit = result->converged == 0 ? kUndecided : kGood;
   document["exit"] = exit;
+  if (!arguments.out.empty()) {
+    const std::string include = std::filesystem::relative(file, out.parent_path()).generic_string();
+    if (Status failed =
+            WriteFileAtomically(out, diagnosis::ToScenario(*result, measured->plan, include, arguments.overrides))) {
+      Complain(failed->ToString() + "\n");
+      return failed->exit_code;
+    }
+    document["scenario"] = arguments.out;
+  }
   const int written = WriteJson(arguments.common, document);
   return written == kGood ? exit : written;
 }
@@ -59,7 +117,7 @@ int Identify(const IdentifyArguments& arguments) {
 
 void AddIdentify(CLI::App& program, int& exit) {
   auto arguments = std::make_shared<IdentifyArguments>();
-  CLI::App* command = program.add_subcommand("identify", "fit numbers of a scenario to records, by the free-run error");
+  CLI::App* command = program.add_subcommand("identify", "fit numbers of a scenario to records");
   command->add_option("scenario", arguments->scenario, "id or file")->required();
   command->add_option("--data", arguments->data, "record (CSV, HDF5, MAT); may be given several times")
       ->required()
@@ -70,13 +128,32 @@ void AddIdentify(CLI::App& program, int& exit) {
       ->required()
       ->delimiter(',')
       ->allow_extra_args(false);
+  command
+      ->add_option("--bound", arguments->bounds, "KEY=LOW:HIGH: starts lie anywhere within; without, a decade around")
+      ->allow_extra_args(false);
+  const std::map<std::string, diagnosis::IdentifyMethod> methods = {
+      {"free_run", diagnosis::IdentifyMethod::kFreeRun},
+      {"spectrum", diagnosis::IdentifyMethod::kSpectrum},
+      {"response", diagnosis::IdentifyMethod::kResponse},
+      {"two_stage", diagnosis::IdentifyMethod::kTwoStage}};
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "free_run: the error sample by sample (default). For values far off: spectrum: of the outputs; response: of "
+          "a "
+          "drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their gains")
+      ->transform(CLI::CheckedTransformer(methods).description("{free_run,spectrum,response,two_stage}"));
+  command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
   command->add_option("--starts", arguments->starts, "points to start from")->check(CLI::Range(1, 100));
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof identify diagnose/r2r_soft --data record.csv --free "
-              "plant.inertia.I5,plant.shaft.k4.stiffness_Nm_per_rad");
+              "plant.inertia.I5,plant.shaft.k4.stiffness_Nm_per_rad\n"
+              "  dynoproof identify diagnose/r2r_soft --data record.csv --free plant.inertia.I4,plant.inertia.I5 "
+              "--bound plant.inertia.I4=0.01:10 --bound plant.inertia.I5=0.01:10 --method spectrum --starts 8 "
+              "--out found.toml");
   command->callback([arguments, &exit] { exit = Identify(*arguments); });
 }
 

@@ -1,171 +1,159 @@
 #include "diagnosis/identify.h"
 
-#include <ceres/ceres.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/random.h"
 #include "diagnosis/fit.h"
-#include "diagnosis/noise.h"
-#include "diagnosis/parallel.h"
+#include "diagnosis/response_misfit.h"
+#include "scenario/load.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-// Small beside the width of a sharp resonance, far above the round-off of a free run.
-constexpr double kStep = 1e-5;
-
-/// Residuals of all outputs, each over its spread, from the logarithms of value / nominal.
-class Cost : public ceres::CostFunction {
- public:
-  Cost(const Study& study, const std::vector<std::string>& keys) : study_(study), keys_(keys) {
-    set_num_residuals(static_cast<int>(study.measured().size()));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(keys.size()));
-  }
-
-  Result<Eigen::VectorXd> Error(const std::vector<double>& x) const {
-    Plan plan = study_.plan();
-    for (std::size_t i = 0; i < keys_.size(); ++i) {
-      Value& value = *plan.root.FindPath(keys_[i]);
-      value = Value(value.number() * std::exp(x[i]));
-    }
-    Result<Eigen::VectorXd> predicted = study_.PredictPlan(plan);
-    if (!predicted.ok()) return predicted;
-    Eigen::VectorXd error = study_.measured() - *predicted;
-    for (const Channel& c : study_.channels()) error.segment(c.begin, c.count) /= std::max(c.spread, 1e-9 * c.nominal);
-    return error;
-  }
-
-  /// Columns of minus the error's derivative; empty where a run breaks.
-  Eigen::MatrixXd Jacobian(const std::vector<double>& x, const Eigen::VectorXd& at) const {
-    Eigen::MatrixXd jacobian(at.size(), static_cast<Eigen::Index>(x.size()));
-    std::atomic<bool> good = true;
-    ParallelFor(x.size(), 0, [&](std::size_t k) {
-      std::vector<double> moved = x;
-      moved[k] += kStep;
-      const Result<Eigen::VectorXd> error = Error(moved);
-      if (!error.ok() || !error->allFinite()) {
-        good = false;
-        return;
-      }
-      jacobian.col(static_cast<Eigen::Index>(k)) = (*error - at) / kStep;
-    });
-    return good ? jacobian : Eigen::MatrixXd();
-  }
-
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const std::vector<double> x(parameters[0], parameters[0] + keys_.size());
-    const Result<Eigen::VectorXd> error = Error(x);
-    if (!error.ok() || !error->allFinite()) return false;
-    Eigen::Map<Eigen::VectorXd>(residuals, error->size()) = *error;
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const Eigen::MatrixXd jacobian = Jacobian(x, *error);
-    if (jacobian.size() == 0) return false;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[0], jacobian.rows(),
-                                                                                       jacobian.cols()) = jacobian;
-    return true;
-  }
-
- private:
-  const Study& study_;
-  const std::vector<std::string>& keys_;
-};
+/// Random points for a start.
+std::size_t TriesOf(const IdentifyOptions& options) {
+  const bool runs = options.method == IdentifyMethod::kFreeRun || options.method == IdentifyMethod::kSpectrum;
+  const bool anywhere = std::any_of(options.keys.begin(), options.keys.end(),
+                                    [](const FreeKey& free) { return free.bounds.has_value(); });
+  return !anywhere ? 1 : runs ? 20 : 200;
+}
 
 /// Sandwich covariance: the scores of neighbouring samples are correlated where the residual is coloured, so they are
 /// summed over blocks that are longer than its memory.
-Eigen::MatrixXd Sandwich(const Study& study, const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& error,
-                         const Eigen::MatrixXd& inverse) {
+Eigen::MatrixXd Sandwich(const Misfit& misfit, const Optimum& at, const Eigen::MatrixXd& inverse) {
   constexpr Eigen::Index kBlocks = 50;
-  const Eigen::Index p = jacobian.cols();
+  const Eigen::Index p = at.jacobian.cols();
   Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(p, p);
-  for (const Channel& c : study.channels()) {
-    const Eigen::Index blocks = std::min<Eigen::Index>(kBlocks, std::max<Eigen::Index>(1, c.count / 10));
+  for (const auto& [first, count] : misfit.Courses()) {
+    const Eigen::Index blocks = std::min<Eigen::Index>(kBlocks, std::max<Eigen::Index>(1, count / 10));
     for (Eigen::Index b = 0; b < blocks; ++b) {
-      const Eigen::Index begin = c.begin + c.count * b / blocks, end = c.begin + c.count * (b + 1) / blocks;
+      const Eigen::Index begin = first + count * b / blocks, end = first + count * (b + 1) / blocks;
       const Eigen::VectorXd score =
-          jacobian.middleRows(begin, end - begin).transpose() * error.segment(begin, end - begin);
+          at.jacobian.middleRows(begin, end - begin).transpose() * at.error.segment(begin, end - begin);
       meat += score * score.transpose();
     }
   }
   return inverse * meat * inverse;
 }
 
-}  // namespace
-
-Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
-                            const std::vector<std::string>& keys, int starts,
-                            const std::function<void(double)>& progress) {
-  const Study study(plan, data, registry);
-  const Cost cost(study, keys);
-  const std::vector<double> zero(keys.size(), 0.0);
-  const Result<Eigen::VectorXd> before = cost.Error(zero);
-  if (!before.ok()) return before.failure();
-  Identified result;
-  result.starts = starts;
-  const auto channels = static_cast<double>(study.measured().size());
-  result.nrmse_before = std::sqrt(before->squaredNorm() / channels);
-  std::vector<double> costs, best = zero;
-  double lowest = before->squaredNorm() * (1.0 + 1e-12);
-  const double bound = std::log(10.0);
-  for (int start = 0; start < starts; ++start) {
-    progress(static_cast<double>(start) / starts);
-    std::vector<double> x = zero;
-    for (std::size_t k = 0; start > 0 && k < x.size(); ++k)
-      x[k] = 0.1 * (2.0 * RandomUniform(1, static_cast<std::uint64_t>(start), k) - 1.0);
-    ceres::Problem problem;
-    problem.AddResidualBlock(new Cost(study, keys), nullptr, x.data());
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      problem.SetParameterLowerBound(x.data(), static_cast<int>(k), -bound);
-      problem.SetParameterUpperBound(x.data(), static_cast<int>(k), bound);
-    }
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
-    options.max_num_iterations = 50;
-    options.function_tolerance = 1e-8;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    if (!summary.IsSolutionUsable()) continue;
-    costs.push_back(2.0 * summary.final_cost);
-    if (costs.back() < lowest) lowest = costs.back(), best = x;
-  }
-  for (const double one : costs) result.converged += one <= lowest * 1.001 ? 1 : 0;
-  const Result<Eigen::VectorXd> error = cost.Error(best);
-  if (!error.ok()) return error.failure();
-  result.nrmse_after = std::sqrt(error->squaredNorm() / channels);
-  const Eigen::MatrixXd jacobian = cost.Jacobian(best, *error);
-  if (jacobian.size() == 0) return Failure{"the run breaks beside the optimum", plan.id};
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian.transpose() * jacobian, Eigen::ComputeFullV);
+/// What the Jacobian at the optimum tells: adds to singular values and keys not told apart, returns (J'J)^-1.
+Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at.jacobian.transpose() * at.jacobian, Eigen::ComputeFullV);
   Eigen::VectorXd inverse_values = svd.singularValues();
   // What a change of 100 % moves by less than a tenth of the noise (all samples together) is not seen.
-  const double unseen = 0.01 * error->squaredNorm() / channels;
+  const double unseen = 0.01 * at.error.squaredNorm() / static_cast<double>(at.error.size());
   for (Eigen::Index k = 0; k < inverse_values.size(); ++k) {
     const double value = svd.singularValues()[k];
     result.singular.push_back(std::sqrt(value));
-    inverse_values[k] = 1.0 / std::max(value, 1e-300);
+    inverse_values[k] = 1.0 / std::max(value, 1e-15 * svd.singularValues()[0]);
     if (value > 1e-9 * svd.singularValues()[0] && value > unseen) continue;
     std::vector<std::string> set;
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      if (std::abs(svd.matrixV()(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(keys[i]);
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (std::abs(svd.matrixV()(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(axes[i].key);
     }
     result.alike.push_back(set);
   }
-  const Eigen::MatrixXd inverse = svd.matrixV() * inverse_values.asDiagonal() * svd.matrixV().transpose();
-  const Eigen::MatrixXd relative = Sandwich(study, jacobian, *error, inverse);
-  Eigen::VectorXd values(static_cast<Eigen::Index>(keys.size()));
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double nominal = plan.root.FindPath(keys[i])->number();
-    values[k] = nominal * std::exp(best[i]);
-    const double half = kTwoSided95 * std::sqrt(std::max(0.0, relative(k, k)));
-    const double a = nominal * std::exp(best[i] - half), b = nominal * std::exp(best[i] + half);
+  return svd.matrixV() * inverse_values.asDiagonal() * svd.matrixV().transpose();
+}
+
+void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
     result.values.push_back(
-        {keys[i], nominal, values[k], std::min(a, b), std::max(a, b), std::abs(best[i]) > bound * 0.999});
+        {axes[i].key, axes[i].nominal, axes[i].ValueAt(at.x[i]), std::nullopt, axes[i].OnBound(at.x[i])});
   }
-  result.covariance = values.asDiagonal() * relative * values.asDiagonal();
+  result.converged = result.converged == 0 ? at.converged : std::min(result.converged, at.converged);
+}
+
+/// Intervals by the covariance of the search's own numbers. One as wide as the axis says nothing.
+void AddIntervals(const Misfit& misfit, const Optimum& at, const std::vector<Axis>& axes,
+                  const Eigen::MatrixXd& inverse, Identified& result) {
+  const Eigen::MatrixXd own = Sandwich(misfit, at, inverse);
+  Eigen::VectorXd slope(own.rows());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    slope[k] = axes[i].Slope(at.x[i]);
+    const double half = kTwoSided95 * std::sqrt(std::max(0.0, own(k, k)));
+    const double a = axes[i].ValueAt(at.x[i] - half), b = axes[i].ValueAt(at.x[i] + half);
+    if (!result.values[i].on_bound && half < axes[i].high - axes[i].low)
+      result.values[i].interval = {std::min(a, b), std::max(a, b)};
+  }
+  result.covariance = slope.asDiagonal() * own * slope.asDiagonal();
+}
+
+bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).starts_with("damping"); }
+
+/// Thesis (2.69) to (2.72).
+Status InTwoStages(const Study& study, const std::vector<Axis>& axes, const IdentifyOptions& options,
+                   Identified& result) {
+  const Result<score::Response> response = MeasuredResponse(study);
+  if (!response.ok()) return response.failure();
+  Result<Landmarks> measured = LandmarksOf(*response);
+  if (!measured.ok()) return measured.failure();
+  std::vector<Axis> still, damping;
+  for (const Axis& axis : axes) (IsDamping(axis.key) ? damping : still).push_back(axis);
+  Plan plan = study.plan();
+  const auto stage = [&](const std::vector<Axis>& own, const Misfit& misfit, double begin) -> Status {
+    if (own.empty()) return {};
+    const Result<Optimum> best =
+        Minimise(plan, misfit, own,
+                 {options.starts, TriesOf(options), [&](double done) { options.progress(begin + 0.5 * done); }});
+    if (!best.ok()) return best.failure();
+    Tell(*best, own, result);
+    Take(*best, own, result);
+    plan = With(std::move(plan), own, best->x);
+    return {};
+  };
+  if (Status failed = stage(still, *FrequencyMisfit(study, *measured), 0.0)) return failed;
+  return stage(damping, *GainMisfit(study, *std::move(measured)), 0.5);
+}
+
+/// Of the methods with one stage.
+Result<std::unique_ptr<Misfit>> MisfitOf(const Study& study, IdentifyMethod method) {
+  if (method == IdentifyMethod::kFreeRun) return FreeRunMisfit(study);
+  if (method == IdentifyMethod::kSpectrum) return SpectrumMisfit(study);
+  const Result<score::Response> response = MeasuredResponse(study);
+  if (!response.ok()) return response.failure();
+  return ResponseMisfit(study, *response);
+}
+
+Result<double> NrmseOf(const Misfit& free_run, const Plan& plan) {
+  const Result<Eigen::VectorXd> error = free_run.Of(plan);
+  if (!error.ok()) return error.failure();
+  return std::sqrt(error->squaredNorm() / static_cast<double>(error->size()));
+}
+
+}  // namespace
+
+Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                            const IdentifyOptions& options) {
+  const Study study(plan, data, registry);
+  const std::unique_ptr<Misfit> free_run = FreeRunMisfit(study);
+  std::vector<Axis> axes;
+  for (const FreeKey& free : options.keys) axes.emplace_back(free, plan.root.FindPath(free.key)->number());
+  const Result<double> before = NrmseOf(*free_run, study.plan());
+  if (!before.ok()) return before.failure();
+  Identified result;
+  result.starts = options.starts;
+  result.nrmse_before = *before;
+  if (options.method == IdentifyMethod::kTwoStage) {
+    if (Status failed = InTwoStages(study, axes, options, result)) return *failed;
+  } else {
+    const Result<std::unique_ptr<Misfit>> misfit = MisfitOf(study, options.method);
+    if (!misfit.ok()) return misfit.failure();
+    const Result<Optimum> best =
+        Minimise(study.plan(), **misfit, axes, {options.starts, TriesOf(options), options.progress});
+    if (!best.ok()) return best.failure();
+    Take(*best, axes, result);
+    AddIntervals(**misfit, *best, axes, Tell(*best, axes, result), result);
+  }
+  Plan found = study.plan();
+  for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);
+  const Result<double> after = NrmseOf(*free_run, found);
+  if (!after.ok()) return after.failure();
+  result.nrmse_after = *after;
   return result;
 }
 
@@ -179,8 +167,9 @@ nlohmann::json ToJson(const Identified& identified) {
                         {"nrmse_before", identified.nrmse_before},
                         {"nrmse_after", identified.nrmse_after}};
   for (const IdentifiedValue& one : identified.values) {
-    out["parameters"][one.key] = {{"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}};
-    if (!one.on_bound) out["parameters"][one.key]["ci95"] = {one.lower, one.upper};
+    out["parameters"][one.key] = {
+        {"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}, {"on_bound", one.on_bound}};
+    if (one.interval) out["parameters"][one.key]["ci95"] = {one.interval->first, one.interval->second};
   }
   for (Eigen::Index i = 0; i < identified.covariance.rows(); ++i) {
     out["covariance"].push_back(nlohmann::json::array());
@@ -192,13 +181,43 @@ nlohmann::json ToJson(const Identified& identified) {
 
 std::string ToTable(const Identified& identified) {
   std::string text = fmt::format("{:<44}{:>14}{:>14}   95 % interval\n", "key", "nominal", "value");
-  for (const IdentifiedValue& one : identified.values)
+  for (const IdentifiedValue& one : identified.values) {
+    const std::string interval =
+        one.interval ? fmt::format("{:.6g} ... {:.6g}", one.interval->first, one.interval->second) : "none";
     text += fmt::format("{:<44}{:>14.6g}{:>14.6g}   {}\n", one.key, one.nominal, one.value,
-                        one.on_bound ? "on its bound" : fmt::format("{:.6g} ... {:.6g}", one.lower, one.upper));
+                        one.on_bound ? "on its bound" : interval);
+  }
   for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
   text += fmt::format("NRMSE {:.4g} -> {:.4g}; {} of {} starts reached the best fit\n", identified.nrmse_before,
                       identified.nrmse_after, identified.converged, identified.starts);
   return text;
+}
+
+std::string ToScenario(const Identified& identified, const Plan& plan, const std::string& include,
+                       const std::vector<std::string>& overrides) {
+  Plan found = plan;
+  std::vector<std::string> changed;
+  for (const std::string& change : overrides) changed.push_back(change.substr(0, change.find('=')));
+  for (const IdentifiedValue& one : identified.values) {
+    *found.root.FindPath(one.key) = Value(one.value);
+    changed.push_back(one.key);
+  }
+  Value tree;
+  tree["include"] = Value::Array{include};
+  for (const std::string& path : changed) {
+    // An array on the way is written as a whole: a file that includes another can replace it only so.
+    const Value* from = &found.root;
+    Value* to = &tree;
+    for (std::size_t begin = 0; begin < path.size() && from != nullptr && from->is_table();) {
+      const std::size_t dot = std::min(path.find('.', begin), path.size());
+      const std::string key = path.substr(begin, dot - begin);
+      from = from->Find(key);
+      to = &(*to)[key];
+      begin = dot + 1;
+    }
+    if (from != nullptr) *to = *from;
+  }
+  return "# With numbers that were identified.\n" + ToToml(tree);
 }
 
 }  // namespace dynoproof::diagnosis

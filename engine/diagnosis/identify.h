@@ -1,37 +1,54 @@
-// Fits any positive or negative numbers of a scenario to records by the free-run simulation error: values, intervals,
-// and which of them the data cannot tell apart.
+// Fits numbers of a scenario to records: values, intervals, and which of them the data cannot tell apart.
 #pragma once
 
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "diagnosis/study.h"
+#include "diagnosis/minimise.h"
 
 namespace dynoproof::diagnosis {
 
+enum class IdentifyMethod {
+  kFreeRun,   // the error of the free run, sample by sample
+  kSpectrum,  // spectra of the outputs in bands, of any scenario
+  kResponse,  // the frequency response of a drive line in one stage: no runs, so many starts
+  kTwoStage,  // thesis (2.69) to (2.72): what is no damping by the resonances and zeros, then dampings by the gains
+};
+
+struct IdentifyOptions {
+  std::vector<FreeKey> keys;
+  IdentifyMethod method = IdentifyMethod::kFreeRun;
+  int starts = 4;
+  std::function<void(double)> progress = [](double) {};
+};
+
 struct IdentifiedValue {
   std::string key;
-  double nominal = 0.0, value = 0.0, lower = 0.0, upper = 0.0;  // 95 % interval
-  bool on_bound = false;                                        // then there is no interval
+  double nominal = 0.0, value = 0.0;
+  std::optional<std::pair<double, double>> interval;  // 95 %; none on a bound, beyond the bounds, and by two stages
+  bool on_bound = false;
 };
 struct Identified {
   std::vector<IdentifiedValue> values;
-  Eigen::MatrixXd covariance;                   // of the values, corrected for the colour of the residual (sandwich)
-  std::vector<double> singular;                 // of the Jacobian per relative change of each value, largest first
+  Eigen::MatrixXd covariance;    // of the values, corrected for the colour of the residual (sandwich); empty: none
+  std::vector<double> singular;  // of the Jacobian per relative change of each value, largest first
   std::vector<std::vector<std::string>> alike;  // keys that only a combination of is seen
-  int starts = 0, converged = 0;                // starts that reached the best cost within 0.1 %
-  double nrmse_before = 0.0, nrmse_after = 0.0;
+  int starts = 0, converged = 0;  // starts that reached the best cost within 0.1 %; of two stages the fewer
+  double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
 };
 
-/// Each value may become a tenth to ten times its nominal; starts lie within +-10 % of it, the first at it. Fails where
-/// the nominal run breaks.
+/// Fails as Minimise does, and by response or two stages as MeasuredResponse and LandmarksOf do.
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
-                            const std::vector<std::string>& keys, int starts,
-                            const std::function<void(double)>& progress);
+                            const IdentifyOptions& options);
 
 nlohmann::json ToJson(const Identified& identified);
 std::string ToTable(const Identified& identified);
+/// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in `plan`.
+std::string ToScenario(const Identified& identified, const Plan& plan, const std::string& include,
+                       const std::vector<std::string>& overrides);
 
 }  // namespace dynoproof::diagnosis

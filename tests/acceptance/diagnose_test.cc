@@ -1,4 +1,4 @@
-// `dynoproof check-data`, `identify` and `diagnose` from outside: a record of a line with one number changed.
+// `dynoproof check-data` and `diagnose` from outside: a record of a line with one number changed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,17 +122,6 @@ TEST_F(Measured, AnOffsetOfTheGasPressureIsNotToldFromThePreload) {
   EXPECT_EQ(Call({"validate", "found/separate.toml"}).exit, 0);
   // The nominal model's oracle knows no offset: the extended scenario has checks of its own.
   EXPECT_EQ(Call({"run", "found/extended.toml"}).exit, 0);
-}
-
-TEST_F(Measured, IdentifyFindsTheNumber) {
-  Record("plant.inertia.I3=0.55");
-  const nlohmann::json result =
-      bench_.Json({"identify", "line.toml", "--data", "record.csv", "--free", "plant.inertia.I3", "--starts", "2"});
-  const nlohmann::json& found = result["parameters"]["plant.inertia.I3"];
-  EXPECT_LT(found["ci95"][0], 0.55) << result.dump(1);
-  EXPECT_GT(found["ci95"][1], 0.55) << result.dump(1);
-  EXPECT_GE(result["converged"], 1);
-  EXPECT_EQ(Call({"identify", "line.toml", "--data", "record.csv", "--free", "plant.inertia.I9"}).exit, 2);
 }
 
 TEST_F(Measured, FaultsOfARecordAreNamed) {

@@ -184,10 +184,9 @@ void DriveLine::Finish() {
       springs_.push_back({edge.from, edge.to, edge.stiffness, edge.damping});
     }
   }
-  BuildLinearPart();
 }
 
-void DriveLine::BuildLinearPart() {
+std::unique_ptr<LinearPart> DriveLine::MakeLinearPart() const {
   const int n = linear_.size();
   const int inputs = static_cast<int>(inputs_.size()), elements = static_cast<int>(elements_.size());
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(n, inputs + elements);
@@ -239,8 +238,8 @@ void DriveLine::BuildLinearPart() {
     rows.push_back(std::move(rate));
   }
 
-  linear_part_ = std::make_unique<LinearPart>();
-  LinearPart& part = *linear_part_;
+  auto made = std::make_unique<LinearPart>();
+  LinearPart& part = *made;
   part.system = coordinates.System(rows);
   const Eigen::VectorXd scale = TakeUpLinearStates(part.system);
   const int own = static_cast<int>(scale.size()), mechanical = coordinates.states();
@@ -290,6 +289,7 @@ void DriveLine::BuildLinearPart() {
   for (int j = 0; j < coordinates.integrators(); ++j) {
     part.state_from_p.col(j).head(2 * n) = state(no_x, Eigen::VectorXd::Unit(coordinates.integrators(), j));
   }
+  return made;
 }
 
 Eigen::VectorXd DriveLine::TakeUpLinearStates(mechanics::LinearSystem& system) const {

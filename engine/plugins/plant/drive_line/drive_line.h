@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -80,7 +81,11 @@ class DriveLine : public Component {
   void Derivative(const View& view, std::span<double> rates) const override;
   void Guards(const View& view, std::span<double> values) const override;
   void OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const override;
-  const LinearPart* linear_part() const override { return linear_part_.get(); }
+  /// Made when it is first asked for: who looks at the network alone does without.
+  const LinearPart* linear_part() const override {
+    std::call_once(linear_part_made_, [this] { linear_part_ = MakeLinearPart(); });
+    return linear_part_.get();
+  }
   /// Linearised about rest, laws included.
   const mechanics::Network* network() const override { return &linearised_; }
   std::vector<double> TorqueWeights(int input) const override;
@@ -114,7 +119,7 @@ class DriveLine : public Component {
   DriveLine() = default;
   /// Derives what the builder's parts imply; the last step of building.
   void Finish();
-  void BuildLinearPart();
+  std::unique_ptr<LinearPart> MakeLinearPart() const;
   /// Makes the states of laws with linear states part of the system, behind its own; drops the inputs and outputs that
   /// stood for those laws. Returns the scale of each: law's state = scale * system's.
   Eigen::VectorXd TakeUpLinearStates(mechanics::LinearSystem& system) const;
@@ -143,7 +148,8 @@ class DriveLine : public Component {
   std::vector<Reading> readings_;
   double initial_speed_ = 0.0;
   std::vector<double> initial_angles_;  // of every node, relative to the first
-  std::unique_ptr<LinearPart> linear_part_;
+  mutable std::once_flag linear_part_made_;
+  mutable std::unique_ptr<LinearPart> linear_part_;
 };
 
 }  // namespace dynoproof

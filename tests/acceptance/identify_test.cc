@@ -1,0 +1,145 @@
+// `dynoproof identify` from outside: a chirp of a line whose numbers are known, and a scenario that is off.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/noisy_record.h"
+#include "tests/support/program.h"
+#include "trace/csv.h"
+
+namespace dynoproof::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Identify : public ::testing::Test {
+ protected:
+  /// Of line.toml with `changes`, from 0 to 400 Hz in `seconds`; noise of 1 % of what it swings on the outputs.
+  void Record(const std::vector<std::string>& changes = {}, double seconds = 1.0) {
+    std::vector<std::string> run = {"line.toml", "--set", "run.duration_s=" + std::to_string(seconds), "--set",
+                                    "input.T_airgap.source.rate_Hz_per_s=" + std::to_string(400.0 / seconds)};
+    for (const std::string& change : changes) run.insert(run.end(), {"--set", change});
+    const std::vector<trace::Column> columns =
+        NoisyRecord(bench_, run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"});
+    ASSERT_FALSE(trace::WriteCsv(bench_ / "record.csv", columns));
+  }
+  std::vector<std::string> Words(const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"identify", "line.toml", "--data", "record.csv", "--set", "analysis.to_Hz=390"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Outcome Call(const std::vector<std::string>& more) const { return bench_.Call(Words(more)); }
+  nlohmann::json Json(const std::vector<std::string>& more) const { return bench_.Json(Words(more)); }
+  /// The last shaft and its inertia, wherever they lie: what the search starts from is a third of the truth, or three
+  /// times it. The record's angular speed fixes the size of all.
+  std::vector<std::string> FarOff(std::vector<std::string> more) const {
+    more.insert(more.end(), {"--free", kInertia, "--free", kStiffness, "--bound", kInertia + "=0.01:10", "--bound",
+                             kStiffness + "=1e4:1e7", "--set", kInertia + "=1.5", "--set", kStiffness + "=8e4"});
+    return more;
+  }
+  static void ExpectFound(const nlohmann::json& result, double within) {
+    EXPECT_NEAR(result["parameters"][kInertia]["value"].get<double>(), 0.5, 0.5 * within) << result.dump(1);
+    EXPECT_NEAR(result["parameters"][kStiffness]["value"].get<double>(), 2.5e5, 2.5e5 * within);
+  }
+  static void ExpectInside(const nlohmann::json& found, double value) {
+    ASSERT_FALSE(found["ci95"].is_null()) << found.dump();
+    EXPECT_LT(found["ci95"][0], value) << found.dump();
+    EXPECT_GT(found["ci95"][1], value) << found.dump();
+  }
+
+  static inline const std::string kInertia = "plant.inertia.I3", kStiffness = "plant.shaft.k2.stiffness_Nm_per_rad";
+  Bench bench_;
+};
+
+TEST_F(Identify, FindsANumberWithinItsInterval) {
+  Record({"plant.inertia.I3=0.55"});
+  const nlohmann::json result = Json({"--free", kInertia, "--starts", "2"});
+  ExpectInside(result["parameters"][kInertia], 0.55);
+  EXPECT_GE(result["converged"], 1);
+  EXPECT_NEAR(result["nrmse_after"], 0.01, 0.001);  // the noise
+}
+
+TEST_F(Identify, FromFarOffAFreeRunIsLostAndASpectrumIsNot) {
+  Record();
+  const nlohmann::json lost = Json(FarOff({"--method", "free_run", "--starts", "1"}));
+  EXPECT_GT(lost["nrmse_after"], 0.1) << lost.dump(1);
+  ExpectFound(Json(FarOff({"--method", "spectrum", "--starts", "8"})), 0.02);
+}
+
+// The lower resonance is 1.3 Hz wide: what a record resolves is one over its length.
+TEST_F(Identify, AFrequencyResponseFindsWhatIsFarOffWithoutARun) {
+  Record({}, 10.0);
+  ExpectFound(Json(FarOff({"--method", "response"})), 0.02);
+  ExpectFound(Json(FarOff({"--method", "two_stage"})), 0.02);
+}
+
+TEST_F(Identify, SeveralStartsFindWhatOneDoesNot) {
+  Record();
+  const nlohmann::json result = Json(FarOff({"--method", "free_run", "--starts", "6"}));
+  ExpectFound(result, 0.01);
+  ExpectInside(result["parameters"][kInertia], 0.5);
+  EXPECT_LT(result["converged"], 6);
+}
+
+TEST_F(Identify, TwoStagesFindADampingByTheHeightOfAResonance) {
+  Record({}, 10.0);
+  const std::string damping = "plant.shaft.k2.damping_Nms_per_rad";
+  const nlohmann::json result =
+      Json({"--method", "two_stage", "--free", damping, "--bound", damping + "=0:100", "--set", damping + "=0"});
+  // What is smoothed over half a hertz loses a few percent of a resonance's height.
+  EXPECT_NEAR(result["parameters"][damping]["value"].get<double>(), 6.0, 0.3) << result.dump(1);
+  EXPECT_TRUE(result["parameters"][damping]["ci95"].is_null());
+}
+
+TEST_F(Identify, WhatOneFactorChangesIsNotToldApart) {
+  Record({}, 4.0);
+  std::vector<std::string> words = {"--method", "response"};
+  for (const char* key : {"plant.inertia.I1", "plant.inertia.I2", "plant.inertia.I3",
+                          "plant.shaft.k1.stiffness_Nm_per_rad", "plant.shaft.k2.stiffness_Nm_per_rad",
+                          "plant.shaft.k1.damping_Nms_per_rad", "plant.shaft.k2.damping_Nms_per_rad"})
+    words.insert(words.end(), {"--free", key});
+  // From torque to torque; the speed is no part of the response.
+  const nlohmann::json result = Json(words);
+  ASSERT_FALSE(result["not_told_apart"].empty()) << result.dump(1);
+  EXPECT_TRUE(result["parameters"]["plant.inertia.I1"]["ci95"].is_null()) << result.dump(1);
+}
+
+TEST_F(Identify, TheScenarioThatItWritesRunsAsTheFitDid) {
+  Record({"plant.inertia.I3=0.55"});
+  const nlohmann::json fit = Json({"--free", kInertia + ",output.T_shaft.sensor.0.gain", "--set",
+                                   R"(output.T_shaft.sensor=[{type="gain",gain=1.02}])", "--out", "found.toml"});
+  ASSERT_EQ(fit["exit"], 0) << fit.dump(1);
+  const nlohmann::json again =
+      bench_.Json({"identify", "found.toml", "--data", "record.csv", "--free", kInertia, "--starts", "1"});
+  EXPECT_NEAR(again["nrmse_before"].get<double>(), fit["nrmse_after"].get<double>(), 1e-9) << again.dump(1);
+  EXPECT_EQ(again["parameters"][kInertia]["nominal"], fit["parameters"][kInertia]["value"]);
+}
+
+TEST_F(Identify, FaultsOfTheCallAreAllNamed) {
+  Record();
+  const Outcome outcome = Call({"--free", "plant.inertia.I9,plant.inertia.I2,plant.shaft.k1.damping_Nms_per_rad",
+                                "--set", "plant.shaft.k1.damping_Nms_per_rad=0", "--bound", "plant.inertia.I2=2:1",
+                                "--bound", "plant.inertia.I3=1:2", "--out", "line.toml"});
+  EXPECT_EQ(outcome.exit, 2);
+  for (const char* says :
+       {"\"plant.inertia.I9\" is no number", "is 0: it gives no magnitude", "\"plant.inertia.I2=2:1\" gives no bounds",
+        "\"plant.inertia.I3\" is none of the --free", "is the scenario itself"})
+    EXPECT_THAT(outcome.err, HasSubstr(says));
+}
+
+TEST_F(Identify, AResponseNeedsADriveLineWithOne) {
+  Record();
+  std::string text = Bench::kLine;
+  text.replace(text.find("[analysis]"), text.find("[[check]]") - text.find("[analysis]"), "");
+  bench_.Write("without.toml", text);
+  for (const char* method : {"response", "two_stage"}) {
+    const Outcome outcome =
+        bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", method});
+    EXPECT_EQ(outcome.exit, 2) << method;
+    EXPECT_THAT(outcome.err, HasSubstr("needs [analysis]")) << method;
+  }
+}
+
+}  // namespace
+}  // namespace dynoproof::test
