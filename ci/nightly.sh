@@ -49,6 +49,7 @@ campaign r2r_spread
 step worst_load ./build/bench/worst_load --json out/nightly/worst_load.json
 # Other cases every night; each diagnosis uses all cores.
 printf 'include = ["%s/bench/campaigns/blind.toml"]\nseed = %s\n' "$PWD" "$(date +%Y%m%d)" >out/nightly/blind.toml
+step reidentify ./bench/reidentify.py --json out/nightly/reidentify.json
 step stories ./build/tests/stories_test
 step blind ./build/dynoproof sweep out/nightly/blind.toml --jobs 1 --out out/nightly/campaigns --json out/nightly/blind.json
 step gate-proved ./bench/ab.py --prove build --json out/nightly/gate.json
