@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "app/measured.h"
+#include "experiment/measured_record.h"
 
 namespace dynoproof::app {
 namespace {
@@ -29,6 +31,12 @@ Result<std::optional<diagnosis::Evidence>> EvidenceFor(const Prepared& prepared,
         "the scenario extends {}: show what it gains on a record that took no part in the diagnosis, --holdout FILE, "
         "and that no other recorded experiment becomes worse, --record FILE each",
         extension->of));
+  const std::string hash = HashOf(records.holdout);
+  if (!hash.empty() && std::find(extension->data.begin(), extension->data.end(), hash) != extension->data.end())
+    return Usage(
+        fmt::format("{} is what the extension was found in: a gain on it says nothing; take a record that took "
+                    "no part in the diagnosis",
+                    records.holdout));
   const std::optional<MeasuredCase> nominal = LoadMeasured(extension->of, records.others, records.maps,
                                                            {records.holdout}, extension->set, registry, diagnostics);
   if (!nominal) return Usage(fmt::format("there is nothing to hold {} against", prepared.plan.id));

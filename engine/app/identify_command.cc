@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -20,10 +21,14 @@ struct IdentifyArguments {
   Common common;
   std::string scenario;
   std::vector<std::string> data, maps, overrides, free, bounds;
-  diagnosis::IdentifyMethod method = diagnosis::IdentifyMethod::kFreeRun;
-  std::string out;
+  std::string method = "free_run", out;
   int starts = 4;
 };
+
+const std::map<std::string, diagnosis::IdentifyMethod> kMethods = {{"free_run", diagnosis::IdentifyMethod::kFreeRun},
+                                                                   {"spectrum", diagnosis::IdentifyMethod::kSpectrum},
+                                                                   {"response", diagnosis::IdentifyMethod::kResponse},
+                                                                   {"two_stage", diagnosis::IdentifyMethod::kTwoStage}};
 
 /// KEY=LOW:HIGH, of one of the keys.
 void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, Diagnostics& diagnostics) {
@@ -42,6 +47,10 @@ void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, D
       diagnostics.Error({"--bound"}, fmt::format("\"{}\" is none of the --free keys", text.substr(0, equals)));
       return;
     }
+    if (key->bounds) {
+      diagnostics.Error({"--bound"}, fmt::format("\"{}\" has bounds already", key->key));
+      return;
+    }
     if (std::isfinite(low) && std::isfinite(high) && low < high) {
       key->bounds = {low, high};
       return;
@@ -55,7 +64,12 @@ void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, D
 std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Plan& plan,
                                          Diagnostics& diagnostics) {
   std::vector<diagnosis::FreeKey> keys;
-  for (const std::string& key : arguments.free) keys.push_back({key, std::nullopt});
+  for (const std::string& key : arguments.free) {
+    if (std::count(arguments.free.begin(), arguments.free.end(), key) == 1)
+      keys.push_back({key, std::nullopt});
+    else
+      diagnostics.Error({"--free"}, fmt::format("\"{}\" stands there twice", key));
+  }
   for (const std::string& bound : arguments.bounds) ReadBound(bound, keys, diagnostics);
   for (const diagnosis::FreeKey& free : keys) {
     const Value* value = plan.root.FindPath(free.key);
@@ -69,6 +83,38 @@ std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, con
   return keys;
 }
 
+/// With links followed, as far as it exists; empty where that cannot be found out.
+std::filesystem::path Whole(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  return error ? std::filesystem::path() : whole;
+}
+
+/// Whether --out may be written, and as a file that includes the scenario.
+void CheckOut(const IdentifyArguments& arguments, const MeasuredCase& measured, Diagnostics& diagnostics) {
+  if (arguments.out.empty()) return;
+  const SourceSpan where = {"--out"};
+  std::ifstream file(arguments.out);
+  std::string begin(diagnosis::kIdentified.size(), ' ');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  std::error_code error;
+  if (Whole(arguments.out).empty())
+    diagnostics.Error(where, fmt::format("\"{}\" is no place for a file", arguments.out));
+  else if (std::filesystem::exists(arguments.out, error) && begin != diagnosis::kIdentified)
+    diagnostics.Error(where, fmt::format("\"{}\" is there already, and not from identify", arguments.out),
+                      "give another name");
+  else if (Whole(arguments.out) == Whole(measured.file))
+    diagnostics.Error(where, "is the scenario itself, which the new file includes", "give another name");
+  else if (Whole(arguments.out) == Whole(arguments.common.json))
+    diagnostics.Error(where, "is where --json goes", "give another name");
+  for (const std::string& change : arguments.overrides) {
+    const Value* value = measured.plan.root.FindPath(change.substr(0, change.find('=')));
+    if (value != nullptr && value->is_table())
+      diagnostics.Error({"--set"}, "replaces a table, but the file of --out could only add to it",
+                        "set its keys one by one, or write it into a scenario");
+  }
+}
+
 int Identify(const IdentifyArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
@@ -76,21 +122,17 @@ int Identify(const IdentifyArguments& arguments) {
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, {}, arguments.overrides, *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   const std::vector<diagnosis::FreeKey> keys = FreeKeys(arguments, measured->plan, diagnostics);
-  const auto whole = [](const std::string& path) {
-    return path.empty() ? std::filesystem::path() : std::filesystem::weakly_canonical(std::filesystem::absolute(path));
-  };
-  const std::filesystem::path out = whole(arguments.out), file = whole(measured->file);
-  if (out == file)
-    diagnostics.Error({"--out"}, "is the scenario itself, which the new file includes", "give it another name");
+  CheckOut(arguments, *measured, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
+    for (const std::string& note : record.notes) Complain(fmt::format("{}: {}\n", record.file, note));
     if (!record.outputs.empty()) continue;
     Complain(fmt::format("{}: no output of the scenario is in it: nothing to compare\n", record.file));
     return kUndecided;
   }
   const Result<diagnosis::Identified> result = diagnosis::Identify(
       measured->plan, measured->data, *registry,
-      {keys, arguments.method, arguments.starts, [](double done) { ShowProgress("fitting", done); }});
+      {keys, kMethods.at(arguments.method), arguments.starts, [](double done) { ShowProgress("fitting", done); }});
   ClearProgress();
   if (!result.ok()) {
     Complain(result.failure().ToString() + "\n");
@@ -98,17 +140,19 @@ int Identify(const IdentifyArguments& arguments) {
   }
   Print(arguments.common, diagnosis::ToTable(*result));
   nlohmann::json document = diagnosis::ToJson(*result);
-  const int exit = result->converged == 0 ? kUndecided : kGood;
-  document["exit"] = exit;
+  int exit = result->converged == 0 ? kUndecided : kGood;
   if (!arguments.out.empty()) {
-    const std::string include = std::filesystem::relative(file, out.parent_path()).generic_string();
+    const std::filesystem::path out = Whole(arguments.out);
+    const std::string include = Whole(measured->file).lexically_relative(out.parent_path()).generic_string();
     if (Status failed =
             WriteFileAtomically(out, diagnosis::ToScenario(*result, measured->plan, include, arguments.overrides))) {
       Complain(failed->ToString() + "\n");
-      return failed->exit_code;
+      exit = failed->exit_code;
+    } else {
+      document["scenario"] = arguments.out;
     }
-    document["scenario"] = arguments.out;
   }
+  document["exit"] = exit;
   const int written = WriteJson(arguments.common, document);
   return written == kGood ? exit : written;
 }
@@ -131,18 +175,13 @@ void AddIdentify(CLI::App& program, int& exit) {
   command
       ->add_option("--bound", arguments->bounds, "KEY=LOW:HIGH: starts lie anywhere within; without, a decade around")
       ->allow_extra_args(false);
-  const std::map<std::string, diagnosis::IdentifyMethod> methods = {
-      {"free_run", diagnosis::IdentifyMethod::kFreeRun},
-      {"spectrum", diagnosis::IdentifyMethod::kSpectrum},
-      {"response", diagnosis::IdentifyMethod::kResponse},
-      {"two_stage", diagnosis::IdentifyMethod::kTwoStage}};
   command
       ->add_option(
           "--method", arguments->method,
           "free_run: the error sample by sample (default). For values far off: spectrum: of the outputs; response: of "
           "a "
           "drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their gains")
-      ->transform(CLI::CheckedTransformer(methods).description("{free_run,spectrum,response,two_stage}"));
+      ->check(CLI::IsMember({"free_run", "spectrum", "response", "two_stage"}));
   command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);

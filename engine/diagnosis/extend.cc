@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/atomic_file.h"
+#include "experiment/measured_record.h"
 #include "scenario/load.h"
 #include "score/series.h"
 
@@ -38,9 +39,11 @@ std::string NominalOf(const Study& study, const DiagnoseOptions& options) {
 
 /// [extension]. `set` stands there even with nothing in it: the extension of an extension would inherit the other's.
 std::string ExtensionTable(const Study& study, const DiagnoseOptions& options) {
-  Value::Array set;
+  Value::Array set, data;
   for (const std::string& change : options.overrides) set.emplace_back(change);
-  return ToToml(Value{{"extension", Value{{"of", NominalOf(study, options)}, {"set", std::move(set)}}}});
+  for (const MappedRecord& record : study.records()) data.emplace_back(HashOf(record.file));
+  return ToToml(Value{
+      {"extension", Value{{"of", NominalOf(study, options)}, {"set", std::move(set)}, {"data", std::move(data)}}}});
 }
 
 Result<std::string> Write(const DiagnoseOptions& options, const char* name, const std::string& text) {

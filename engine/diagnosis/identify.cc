@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "diagnosis/fit.h"
-#include "diagnosis/response_misfit.h"
 #include "scenario/load.h"
 
 namespace dynoproof::diagnosis {
@@ -24,11 +24,12 @@ std::size_t TriesOf(const IdentifyOptions& options) {
 /// Sandwich covariance: the scores of neighbouring samples are correlated where the residual is coloured, so they are
 /// summed over blocks that are longer than its memory.
 Eigen::MatrixXd Sandwich(const Misfit& misfit, const Optimum& at, const Eigen::MatrixXd& inverse) {
-  constexpr Eigen::Index kBlocks = 50;
+  constexpr Eigen::Index kBlocks = 50, kFewest = 8;  // the score of all rows together is none at the optimum
   const Eigen::Index p = at.jacobian.cols();
   Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(p, p);
   for (const auto& [first, count] : misfit.Courses()) {
-    const Eigen::Index blocks = std::min<Eigen::Index>(kBlocks, std::max<Eigen::Index>(1, count / 10));
+    const Eigen::Index blocks =
+        std::min<Eigen::Index>(kBlocks, std::max<Eigen::Index>(std::min(kFewest, count), count / 10));
     for (Eigen::Index b = 0; b < blocks; ++b) {
       const Eigen::Index begin = first + count * b / blocks, end = first + count * (b + 1) / blocks;
       const Eigen::VectorXd score =
@@ -48,7 +49,7 @@ Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identifie
   for (Eigen::Index k = 0; k < inverse_values.size(); ++k) {
     const double value = svd.singularValues()[k];
     result.singular.push_back(std::sqrt(value));
-    inverse_values[k] = 1.0 / std::max(value, 1e-15 * svd.singularValues()[0]);
+    inverse_values[k] = value > 0.0 ? 1.0 / std::max(value, 1e-15 * svd.singularValues()[0]) : 0.0;
     if (value > 1e-9 * svd.singularValues()[0] && value > unseen) continue;
     std::vector<std::string> set;
     for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -64,20 +65,26 @@ void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) 
     result.values.push_back(
         {axes[i].key, axes[i].nominal, axes[i].ValueAt(at.x[i]), std::nullopt, axes[i].OnBound(at.x[i])});
   }
-  result.converged = result.converged == 0 ? at.converged : std::min(result.converged, at.converged);
+  result.converged = std::min(result.converged, at.converged);
 }
 
-/// Intervals by the covariance of the search's own numbers. One as wide as the axis says nothing.
+/// Intervals by the covariance of the search's own numbers. One as wide as the axis says nothing; and of what is not
+/// told apart scores vanish with the slopes, which is no covariance.
 void AddIntervals(const Misfit& misfit, const Optimum& at, const std::vector<Axis>& axes,
                   const Eigen::MatrixXd& inverse, Identified& result) {
-  const Eigen::MatrixXd own = Sandwich(misfit, at, inverse);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd own = Sandwich(misfit, at, inverse);
   Eigen::VectorXd slope(own.rows());
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     slope[k] = axes[i].Slope(at.x[i]);
     const double half = kTwoSided95 * std::sqrt(std::max(0.0, own(k, k)));
     const double a = axes[i].ValueAt(at.x[i] - half), b = axes[i].ValueAt(at.x[i] + half);
-    if (!result.values[i].on_bound && half < axes[i].high - axes[i].low)
+    const bool told = std::none_of(result.alike.begin(), result.alike.end(), [&](const std::vector<std::string>& set) {
+      return std::find(set.begin(), set.end(), axes[i].key) != set.end();
+    });
+    if (!told) own.row(k).setConstant(kNone), own.col(k).setConstant(kNone);
+    if (told && !result.values[i].on_bound && half < 0.5 * (axes[i].high - axes[i].low))
       result.values[i].interval = {std::min(a, b), std::max(a, b)};
   }
   result.covariance = slope.asDiagonal() * own * slope.asDiagonal();
@@ -88,10 +95,9 @@ bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).s
 /// Thesis (2.69) to (2.72).
 Status InTwoStages(const Study& study, const std::vector<Axis>& axes, const IdentifyOptions& options,
                    Identified& result) {
-  const Result<score::Response> response = MeasuredResponse(study);
-  if (!response.ok()) return response.failure();
-  Result<Landmarks> measured = LandmarksOf(*response);
+  Result<Landmarks> measured = MeasuredLandmarks(study);
   if (!measured.ok()) return measured.failure();
+  result.landmarks = *measured;
   std::vector<Axis> still, damping;
   for (const Axis& axis : axes) (IsDamping(axis.key) ? damping : still).push_back(axis);
   Plan plan = study.plan();
@@ -136,7 +142,7 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   const Result<double> before = NrmseOf(*free_run, study.plan());
   if (!before.ok()) return before.failure();
   Identified result;
-  result.starts = options.starts;
+  result.starts = result.converged = options.starts;
   result.nrmse_before = *before;
   if (options.method == IdentifyMethod::kTwoStage) {
     if (Status failed = InTwoStages(study, axes, options, result)) return *failed;
@@ -166,6 +172,10 @@ nlohmann::json ToJson(const Identified& identified) {
                         {"converged", identified.converged},
                         {"nrmse_before", identified.nrmse_before},
                         {"nrmse_after", identified.nrmse_after}};
+  if (!identified.landmarks.resonances_hz.empty())
+    out["landmarks"] = {{"resonances_hz", identified.landmarks.resonances_hz},
+                        {"gains", identified.landmarks.gains},
+                        {"zeros_hz", identified.landmarks.zeros_hz}};
   for (const IdentifiedValue& one : identified.values) {
     out["parameters"][one.key] = {
         {"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}, {"on_bound", one.on_bound}};
@@ -187,6 +197,10 @@ std::string ToTable(const Identified& identified) {
     text += fmt::format("{:<44}{:>14.6g}{:>14.6g}   {}\n", one.key, one.nominal, one.value,
                         one.on_bound ? "on its bound" : interval);
   }
+  if (!identified.landmarks.resonances_hz.empty())
+    text += fmt::format("resonances at {:.1f} Hz; zeros at {:.1f} Hz\n",
+                        fmt::join(identified.landmarks.resonances_hz, ", "),
+                        fmt::join(identified.landmarks.zeros_hz, ", "));
   for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
   text += fmt::format("NRMSE {:.4g} -> {:.4g}; {} of {} starts reached the best fit\n", identified.nrmse_before,
                       identified.nrmse_after, identified.converged, identified.starts);
@@ -204,6 +218,8 @@ std::string ToScenario(const Identified& identified, const Plan& plan, const std
   }
   Value tree;
   tree["include"] = Value::Array{include};
+  // Limits, oracles and golden traces are those of the other numbers.
+  if (plan.root.Find("check") != nullptr) tree["without"] = Value::Array{"check"};
   for (const std::string& path : changed) {
     // An array on the way is written as a whole: a file that includes another can replace it only so.
     const Value* from = &found.root;
@@ -217,7 +233,7 @@ std::string ToScenario(const Identified& identified, const Plan& plan, const std
     }
     if (from != nullptr) *to = *from;
   }
-  return "# With numbers that were identified.\n" + ToToml(tree);
+  return std::string(kIdentified) + ToToml(tree);
 }
 
 }  // namespace dynoproof::diagnosis

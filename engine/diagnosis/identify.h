@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "diagnosis/minimise.h"
+#include "diagnosis/response_misfit.h"
 
 namespace dynoproof::diagnosis {
 
@@ -29,15 +30,18 @@ struct IdentifyOptions {
 struct IdentifiedValue {
   std::string key;
   double nominal = 0.0, value = 0.0;
-  std::optional<std::pair<double, double>> interval;  // 95 %; none on a bound, beyond the bounds, and by two stages
+  std::optional<std::pair<double, double>>
+      interval;  // 95 %; none on a bound, not told apart, as wide as the bounds, and by two stages
   bool on_bound = false;
 };
 struct Identified {
   std::vector<IdentifiedValue> values;
-  Eigen::MatrixXd covariance;    // of the values, corrected for the colour of the residual (sandwich); empty: none
-  std::vector<double> singular;  // of the Jacobian per relative change of each value, largest first
+  Eigen::MatrixXd covariance;  // of the values, corrected for the colour of the residual (sandwich); empty: none, NaN:
+                               // not told apart
+  std::vector<double> singular;                 // of the Jacobian in the search's own numbers, largest first; by stage
   std::vector<std::vector<std::string>> alike;  // keys that only a combination of is seen
   int starts = 0, converged = 0;  // starts that reached the best cost within 0.1 %; of two stages the fewer
+  Landmarks landmarks;            // that two stages saw
   double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
 };
 
@@ -47,6 +51,8 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
 
 nlohmann::json ToJson(const Identified& identified);
 std::string ToTable(const Identified& identified);
+/// How such a file begins.
+inline constexpr std::string_view kIdentified = "# With numbers that were identified.\n";
 /// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in `plan`.
 std::string ToScenario(const Identified& identified, const Plan& plan, const std::string& include,
                        const std::vector<std::string>& overrides);

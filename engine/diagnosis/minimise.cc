@@ -89,10 +89,10 @@ Axis::Axis(const FreeKey& free, double value) : key(free.key), nominal(value) {
     return;
   }
   const auto [lower, upper] = *free.bounds;
-  logarithmic_ = lower * upper > 0.0;
+  logarithmic_ = (lower > 0.0 && upper > 0.0) || (lower < 0.0 && upper < 0.0);
   // The logarithm of value / nominal where the nominal lies within, else of value / bound.
-  unit_ =
-      logarithmic_ ? (nominal * lower > 0.0 ? nominal : lower) : kLinear * std::max(std::abs(lower), std::abs(upper));
+  unit_ = logarithmic_ ? ((nominal > 0.0 && lower > 0.0) || (nominal < 0.0 && lower < 0.0) ? nominal : lower)
+                       : kLinear * std::max(std::abs(lower), std::abs(upper));
   low = std::min(At(lower), At(upper));
   high = std::max(At(lower), At(upper));
   anywhere_ = true;
@@ -119,6 +119,9 @@ Result<Optimum> Minimise(const Plan& plan, const Misfit& misfit, const std::vect
   for (const Axis& axis : axes) best.x.push_back(axis.Nominal());
   const Result<Eigen::VectorXd> before = cost.Error(best.x);
   if (!before.ok()) return before.failure();
+  if (before->size() == 0 || !before->allFinite())
+    return Failure{
+        .message = "nothing to compare: an output is constant, or all noise", .signal = plan.id, .exit_code = 4};
   const std::vector<double> nominal = best.x;
   double lowest = before->squaredNorm() * (1.0 + 1e-12);
   std::vector<double> costs;

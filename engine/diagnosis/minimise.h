@@ -57,7 +57,7 @@ struct Optimum {
   int converged = 0;  // starts that reached its cost within 0.1 %
 };
 
-/// Fails where the nominal run breaks, and one beside the optimum.
+/// Fails where the nominal run breaks, and one beside the optimum; with exit code 4 where nothing is compared.
 Result<Optimum> Minimise(const Plan& plan, const Misfit& misfit, const std::vector<Axis>& axes,
                          const SearchOptions& options);
 

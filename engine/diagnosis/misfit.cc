@@ -22,7 +22,9 @@ class FreeRun : public Misfit {
     Result<Eigen::VectorXd> predicted = study_.PredictPlan(plan);
     if (!predicted.ok()) return predicted;
     Eigen::VectorXd error = study_.measured() - *predicted;
-    for (const Channel& c : study_.channels()) error.segment(c.begin, c.count) /= std::max(c.spread, 1e-9 * c.nominal);
+    // A constant has no spread; its unit has a size.
+    for (const Channel& c : study_.channels())
+      error.segment(c.begin, c.count) /= c.spread > 1e-9 * c.nominal ? c.spread : c.nominal;
     return error;
   }
 

@@ -4,12 +4,15 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <utility>
 
+#include "diagnosis/noise.h"
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
 #include "mechanics/symmetric_eigen.h"
+#include "score/fft.h"
 #include "score/peaks.h"
 #include "score/response.h"
 
@@ -17,7 +20,8 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kProminence_dB = 6.0;
-constexpr double kCoherent = 0.8;  // of the output at a resonance is the input's
+constexpr double kCoherent = 0.8;  // of the output is the input's
+constexpr double kAbove = 0.95;    // of the output at a landmark is no noise
 
 Result<AnalysisSettings> SettingsOf(const Plan& plan, const Rig& rig) {
   Diagnostics diagnostics;
@@ -26,6 +30,18 @@ Result<AnalysisSettings> SettingsOf(const Plan& plan, const Rig& rig) {
   return Failure{.message = "a frequency response needs [analysis] with an input and an output of a drive line",
                  .signal = plan.id,
                  .exit_code = 2};
+}
+
+Failure CannotBuild(const Plan& plan, const Diagnostics& diagnostics) {
+  const std::string why = diagnostics.items().empty() ? "" : ": " + diagnostics.items().front().message;
+  return {.message = "the model cannot be built with these numbers" + why, .signal = plan.id, .exit_code = 2};
+}
+
+std::string Because(const std::string& reason) { return reason.empty() ? "" : ": " + reason; }
+
+std::size_t BinOf(const score::Response& response, double hz) {
+  const auto at = std::lower_bound(response.frequency_hz.begin(), response.frequency_hz.end(), hz);
+  return std::min(static_cast<std::size_t>(at - response.frequency_hz.begin()), response.frequency_hz.size() - 1);
 }
 
 /// The line without its dampings as a sum over its modes: G(w^2) = sum of share / (square - w^2), real. An output that
@@ -107,7 +123,7 @@ class OfResponse : public Misfit {
   Result<Eigen::VectorXd> Of(const Plan& plan) const override {
     Diagnostics diagnostics;
     const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, study_.registry(), diagnostics);
-    if (prepared == nullptr) return Failure{"the model cannot be built with these numbers", plan.id};
+    if (prepared == nullptr) return CannotBuild(plan, diagnostics);
     const Result<AnalysisSettings> settings = SettingsOf(plan, *prepared->rig);
     if (!settings.ok()) return settings.failure();
     const Result<mechanics::TransferFunction> transfer = TransferOf(*prepared->rig, *settings);
@@ -218,17 +234,15 @@ class Gains : public Resonances {
 };
 
 /// Whether the response changes its sign at a dip between two resonances, or below the first: two modes that add up
-/// make a dip, too, but no zero.
+/// make a dip, too, but no zero. Seen half-way to its neighbours, where both have to be more than noise.
 bool ChangesItsSign(const score::Response& response, const std::vector<double>& resonances_hz, double dip_hz) {
   const auto above = std::upper_bound(resonances_hz.begin(), resonances_hz.end(), dip_hz);
   if (above == resonances_hz.end()) return false;
   const double below_hz = above == resonances_hz.begin() ? response.frequency_hz.front() : *std::prev(above);
-  const auto half_way = [&](double hz) {
-    const auto at =
-        std::lower_bound(response.frequency_hz.begin(), response.frequency_hz.end(), std::sqrt(hz * dip_hz));
-    return response.gain[static_cast<std::size_t>(at - response.frequency_hz.begin())];
-  };
-  return std::real(half_way(*above) * std::conj(half_way(below_hz))) < 0.0;
+  const auto half_way = [&](double hz) { return BinOf(response, std::sqrt(hz * dip_hz)); };
+  const std::size_t low = half_way(below_hz), high = half_way(*above);
+  return std::min(response.coherence[low], response.coherence[high]) >= kAbove &&
+         std::real(response.gain[high] * std::conj(response.gain[low])) < 0.0;
 }
 
 /// An input that is held from sample to sample reaches the plant smaller and half a sample late.
@@ -239,16 +253,63 @@ void TakeOutHold(score::Response& response, double step_s) {
   }
 }
 
-}  // namespace
+/// The share of the output that is no noise, at each frequency of the response.
+std::vector<double> ShareAboveNoise(const score::Response& response, const std::vector<double>& values, double step_s) {
+  const Eigen::Map<const Eigen::VectorXd> rows(values.data(), static_cast<Eigen::Index>(values.size()));
+  const double floor = HighFrequencyFloor(rows), seconds = step_s * static_cast<double>(rows.size());
+  std::vector<double> steps(values.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = values[i + 1] - values[i];
+  const std::vector<std::complex<double>> lines = score::Fft(steps);
+  constexpr std::ptrdiff_t kAround = 4;  // lines to either side, as the response is smoothed
+  std::vector<double> share;
+  for (const double hz : response.frequency_hz) {
+    const auto middle = static_cast<std::ptrdiff_t>(std::lround(hz * seconds));
+    double power = 0.0, count = 0.0;
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(1, middle - kAround); k <= middle + kAround; ++k) {
+      if (k >= static_cast<std::ptrdiff_t>(lines.size() / 2)) break;
+      power += std::norm(lines[static_cast<std::size_t>(k)]), count += 1.0;
+    }
+    const double step = 2.0 * std::sin(std::numbers::pi * hz * step_s);
+    const double noise = count * static_cast<double>(rows.size()) * floor * floor * step * step;
+    share.push_back(power > 0.0 ? std::max(0.0, 1.0 - noise / power) : 0.0);
+  }
+  return share;
+}
 
-Result<score::Response> MeasuredResponse(const Study& study) {
+/// A record with both signals, and what it shows.
+struct Seen {
+  score::Response response;
+  const std::vector<double>* output;
+  double step_s;
+};
+
+/// Stages but noise; empty: none.
+std::string StagesOf(const Plan& plan, const std::string& path) {
+  const Value* stages = plan.root.FindPath(path);
+  for (std::size_t i = 0; stages != nullptr && stages->is_array() && i < stages->array().size(); ++i) {
+    const Value* type = stages->array()[i].Find("type");
+    if (type != nullptr && type->is_string() && type->string() != "noise") return path;
+  }
+  return "";
+}
+
+Result<Seen> See(const Study& study) {
+  const Plan& plan = study.plan();
+  const auto refuse = [&plan](std::string why) {
+    return Failure{.message = std::move(why), .signal = plan.id, .exit_code = 2};
+  };
   Diagnostics diagnostics;
-  const std::unique_ptr<Prepared> prepared = Prepare(study.plan(), {}, study.registry(), diagnostics);
-  if (prepared == nullptr) return Failure{"the model cannot be built", study.plan().id};
-  const Result<AnalysisSettings> settings = SettingsOf(study.plan(), *prepared->rig);
+  const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, study.registry(), diagnostics);
+  if (prepared == nullptr) return CannotBuild(plan, diagnostics);
+  const Result<AnalysisSettings> settings = SettingsOf(plan, *prepared->rig);
   if (!settings.ok()) return settings.failure();
   const Result<mechanics::TransferFunction> modelled = TransferOf(*prepared->rig, *settings);
   if (!modelled.ok()) return modelled.failure();
+  for (const std::string& stages : {StagesOf(plan, "input." + settings->input + ".actuator"),
+                                    StagesOf(plan, "output." + settings->output + ".sensor")}) {
+    if (!stages.empty())
+      return refuse(stages + " is no part of the line's frequency response; take spectrum or free_run");
+  }
   std::string why = "no record has both " + settings->input + " and " + settings->output;
   for (const MappedRecord& record : study.records()) {
     const auto input = record.inputs.find(settings->input), output = record.outputs.find(settings->output);
@@ -257,35 +318,71 @@ Result<score::Response> MeasuredResponse(const Study& study) {
       why = "input and output have time stamps of their own";
       continue;
     }
-    score::Response response = score::EstimateResponse(
-        *input->second.time, *input->second.values, *output->second.values, {settings->from_Hz, settings->to_Hz, 0.0});
-    if (response.verdict == score::Verdict::kPass) {
-      TakeOutHold(response, (input->second.time->back() - input->second.time->front()) /
-                                static_cast<double>(input->second.time->size() - 1));
-      return response;
-    }
-    why = response.reason + "; analysis.from_Hz and analysis.to_Hz bound it";
+    const std::vector<double>& time = *input->second.time;
+    Seen seen = {score::EstimateResponse(time, *input->second.values, *output->second.values,
+                                         {settings->from_Hz, settings->to_Hz, 0.0}),
+                 output->second.values.get(), 0.0};
+    why = seen.response.reason + "; analysis.from_Hz and analysis.to_Hz bound it";
+    if (seen.response.verdict != score::Verdict::kPass) continue;
+    seen.step_s = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    TakeOutHold(seen.response, seen.step_s);
+    return seen;
   }
-  return Failure{.message = "no frequency response: " + why, .signal = study.plan().id, .exit_code = 2};
+  return refuse("no frequency response: " + why);
 }
 
-Result<Landmarks> LandmarksOf(const score::Response& response) {
+}  // namespace
+
+Result<score::Response> MeasuredResponse(const Study& study) {
+  Result<Seen> seen = See(study);
+  if (!seen.ok()) return seen.failure();
+  return std::move(seen->response);
+}
+
+Result<Landmarks> MeasuredLandmarks(const Study& study) {
+  Result<Seen> seen = See(study);
+  if (!seen.ok()) return seen.failure();
+  seen->response.coherence = ShareAboveNoise(seen->response, *seen->output, seen->step_s);
+  // What is smoothed over four lines to either side makes one peak within them.
+  const double line_hz = 1.0 / (seen->step_s * static_cast<double>(seen->output->size()));
+  Result<Landmarks> landmarks = LandmarksOf(seen->response, 8.0 * line_hz);
+  if (!landmarks.ok())
+    return Failure{.message = landmarks.failure().message, .signal = study.plan().id, .exit_code = 2};
+  return landmarks;
+}
+
+Result<Landmarks> LandmarksOf(const score::Response& response, double apart_hz) {
+  constexpr double kSmallest = 1e-3;  // of the highest peak: below, a sweep's ends ripple
   const score::PeakList found = score::FindPeaks(response.frequency_hz, response.Magnitude(), kProminence_dB);
-  Landmarks landmarks;
+  std::vector<score::Peak> peaks;
   for (const score::Peak& peak : found.peaks) {
-    if (peak.kind == score::PeakKind::kAntiResonance) {
-      landmarks.zeros_hz.push_back(peak.frequency_hz);
-      continue;
-    }
-    const auto at = std::lower_bound(response.frequency_hz.begin(), response.frequency_hz.end(), peak.frequency_hz);
-    const auto k = static_cast<std::size_t>(at - response.frequency_hz.begin());
-    if (k >= response.coherence.size() || response.coherence[k] < kCoherent) continue;
+    if (peak.kind == score::PeakKind::kResonance && response.coherence[BinOf(response, peak.frequency_hz)] >= kAbove)
+      peaks.push_back(peak);
+  }
+  const auto lower = [](const score::Peak& a, const score::Peak& b) { return a.height < b.height; };
+  Landmarks landmarks;
+  if (peaks.empty()) return Failure{.message = "the measured response shows no resonance" + Because(found.reason)};
+  const double highest = std::max_element(peaks.begin(), peaks.end(), lower)->height;
+  for (const score::Peak& peak : peaks) {
+    const bool first = std::none_of(peaks.begin(), peaks.end(), [&](const score::Peak& other) {
+      return other.height > peak.height && std::abs(other.frequency_hz - peak.frequency_hz) < apart_hz;
+    });
+    if (!first || peak.height < kSmallest * highest) continue;
     landmarks.resonances_hz.push_back(peak.frequency_hz);
     landmarks.gains.push_back(peak.height);
   }
-  std::erase_if(landmarks.zeros_hz, [&](double hz) { return !ChangesItsSign(response, landmarks.resonances_hz, hz); });
-  if (landmarks.resonances_hz.empty())
-    return Failure{.message = "the measured response shows no resonance", .exit_code = 2};
+  // Of several dips below one resonance the deepest: the others are noise in it.
+  std::map<std::size_t, score::Peak> zeros;
+  for (const score::Peak& peak : found.peaks) {
+    if (peak.kind != score::PeakKind::kAntiResonance ||
+        !ChangesItsSign(response, landmarks.resonances_hz, peak.frequency_hz))
+      continue;
+    const auto above =
+        std::upper_bound(landmarks.resonances_hz.begin(), landmarks.resonances_hz.end(), peak.frequency_hz);
+    const auto [zero, first] = zeros.emplace(above - landmarks.resonances_hz.begin(), peak);
+    if (!first && lower(peak, zero->second)) zero->second = peak;
+  }
+  for (const auto& [above, zero] : zeros) landmarks.zeros_hz.push_back(zero.frequency_hz);
   return landmarks;
 }
 

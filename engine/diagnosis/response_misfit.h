@@ -13,7 +13,8 @@
 namespace dynoproof::diagnosis {
 
 /// What is measured, in the first record that has both signals, the hold of its input taken out. Fails (exit code 2)
-/// where there is none, where the plant has no frequency response, and where the input does not excite the band.
+/// where there is none, where the plant has no frequency response or its signals pass stages, which are no part of it,
+/// and where the input does not excite the band.
 Result<score::Response> MeasuredResponse(const Study& study);
 
 /// The complex logarithm of measured over modelled response, gain and phase, at frequencies 0.5 % apart or more where
@@ -25,8 +26,12 @@ struct Landmarks {
   std::vector<double> resonances_hz, gains;  // gain: output over input there
   std::vector<double> zeros_hz;              // dips at which the response changes its sign
 };
-/// Fails without a resonance.
-Result<Landmarks> LandmarksOf(const score::Response& measured);
+/// Peaks that stand out by 6 dB where the output is the input's (`coherence`: the share of it that is), the highest
+/// within `apart_hz`, 60 dB below the highest of all at most. Fails without one.
+Result<Landmarks> LandmarksOf(const score::Response& measured, double apart_hz);
+/// Of MeasuredResponse. What counts there is how far the output lies above its noise: a sharp resonance rings on after
+/// the input has passed, and has little coherence within the width that a chirp is smoothed over.
+Result<Landmarks> MeasuredLandmarks(const Study& study);
 
 /// Relative errors of the frequencies: the model's undamped eigenfrequencies and zeros that come closest in this order.
 /// One that the model does not have counts as kMissing.

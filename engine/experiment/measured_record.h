@@ -40,6 +40,9 @@ struct RecordSettings {
   }
 };
 
+/// SHA-256 of a file, hexadecimal; empty when it cannot be read.
+std::string HashOf(const std::string& file);
+
 /// The plan's [record]; faults (outputs that do not exist, no hash) become diagnostics.
 std::optional<RecordSettings> ReadRecordSettings(const Plan& plan, const Rig& rig, Diagnostics& diagnostics);
 

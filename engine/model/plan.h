@@ -77,8 +77,9 @@ struct EffectUse {
 
 /// [extension]: the scenario is another one with what a diagnosis found. `bless` asks for evidence against that one.
 struct ExtensionSpec {
-  std::string of;                // the nominal scenario: an id, or a file
-  std::vector<std::string> set;  // "KEY=VALUE": what --set had changed in it
+  std::string of;                 // the nominal scenario: an id, or a file
+  std::vector<std::string> set;   // "KEY=VALUE": what --set had changed in it
+  std::vector<std::string> data;  // SHA-256 of the records that the extension was found in
   void Visit(auto& v);
   void Check(Faults& faults) const;
 };
@@ -146,6 +147,7 @@ void EffectUse::Visit(auto& v) {
 void ExtensionSpec::Visit(auto& v) {
   v.Required("of", of, Any(), "the nominal scenario that is extended: an id, or a file");
   v.Optional("set", set, Any(), "KEY=VALUE, as for --set: what else made the nominal model");
+  v.Optional("data", data, Any(), "SHA-256 of the records it was found in: they are no hold-out");
 }
 
 }  // namespace dynoproof

@@ -94,9 +94,13 @@ TEST_F(Project, TakesWhatADiagnosisHasExtended) {
       {"diagnose", "line", "--set", "plant.inertia.I2=0.4", "--data", "record.csv", "--out", "scenarios"}, options_);
   ASSERT_EQ(result["verdict"], "effect_found") << result.dump(1);
   EXPECT_THAT(ReadBytes(bench_ / "scenarios/extended.toml"),
-              HasSubstr("\n[extension]\nof = \"line\"\nset = [\"plant.inertia.I2=0.4\"]\n"));
+              HasSubstr("\n[extension]\nof = \"line\"\nset = [\"plant.inertia.I2=0.4\"]\ndata = [\""));
   const Outcome alone = bench_.Call({"bless", "extended", "--reason", "r"}, options_);
   EXPECT_EQ(alone.exit, 2) << alone.Both();
+  std::filesystem::copy_file(bench_ / "record.csv", bench_ / "renamed.csv");
+  const Outcome known = bench_.Call({"bless", "extended", "--reason", "r", "--holdout", "renamed.csv"}, options_);
+  EXPECT_EQ(known.exit, 2) << known.Both();
+  EXPECT_THAT(known.err, HasSubstr("is what the extension was found in"));
   const Outcome blessed = bench_.Call({"bless", "extended", "--reason", "r", "--holdout", "holdout.csv"}, options_);
   EXPECT_EQ(blessed.exit, 0) << blessed.Both();
 }

@@ -12,6 +12,7 @@ namespace dynoproof::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 class Identify : public ::testing::Test {
  protected:
@@ -105,6 +106,36 @@ TEST_F(Identify, WhatOneFactorChangesIsNotToldApart) {
   EXPECT_TRUE(result["parameters"]["plant.inertia.I1"]["ci95"].is_null()) << result.dump(1);
 }
 
+TEST_F(Identify, WhatTheDataDoNotSeeHasNoInterval) {
+  Record();
+  const nlohmann::json twice =
+      Json({"--set", R"(output.T_shaft.sensor=[{type="gain",gain=1.0},{type="gain",gain=1.0}])", "--free",
+            "output.T_shaft.sensor.0.gain,output.T_shaft.sensor.1.gain", "--starts", "1"});
+  ASSERT_THAT(twice["not_told_apart"], SizeIs(1)) << twice.dump(1);
+  for (const auto& [key, value] : twice["parameters"].items()) EXPECT_TRUE(value["ci95"].is_null()) << twice.dump(1);
+  EXPECT_TRUE(twice["covariance"][0][0].is_null());
+  const nlohmann::json none = Json({"--free", "check.0.nrmse", "--starts", "1"});
+  EXPECT_THAT(none["not_told_apart"], SizeIs(1));
+  EXPECT_TRUE(none["parameters"]["check.0.nrmse"]["ci95"].is_null()) << none.dump(1);
+}
+
+TEST_F(Identify, AResponseIsThatOfTheLineWithoutStages) {
+  Record();
+  for (const char* method : {"response", "two_stage"}) {
+    const Outcome outcome = Call({"--set", R"(output.T_shaft.sensor=[{type="first_order_lag",tau_s=0.0005}])", "--free",
+                                  kInertia, "--method", method});
+    EXPECT_EQ(outcome.exit, 2) << method;
+    EXPECT_THAT(outcome.err, HasSubstr("output.T_shaft.sensor is no part")) << method;
+  }
+}
+
+TEST_F(Identify, AConstantOutputIsNothingToCompare) {
+  std::string rows = "t,T_airgap,T_shaft\n";
+  for (int i = 0; i < 2000; ++i) rows += std::to_string(1e-4 * i) + "," + std::to_string(i % 7) + ",0\n";
+  bench_.Write("record.csv", rows);
+  EXPECT_EQ(Call({"--free", kInertia, "--method", "spectrum", "--starts", "1"}).exit, 4);
+}
+
 TEST_F(Identify, TheScenarioThatItWritesRunsAsTheFitDid) {
   Record({"plant.inertia.I3=0.55"});
   const nlohmann::json fit = Json({"--free", kInertia + ",output.T_shaft.sensor.0.gain", "--set",
@@ -118,14 +149,32 @@ TEST_F(Identify, TheScenarioThatItWritesRunsAsTheFitDid) {
 
 TEST_F(Identify, FaultsOfTheCallAreAllNamed) {
   Record();
-  const Outcome outcome = Call({"--free", "plant.inertia.I9,plant.inertia.I2,plant.shaft.k1.damping_Nms_per_rad",
-                                "--set", "plant.shaft.k1.damping_Nms_per_rad=0", "--bound", "plant.inertia.I2=2:1",
-                                "--bound", "plant.inertia.I3=1:2", "--out", "line.toml"});
+  const std::string damping = "plant.shaft.k1.damping_Nms_per_rad";
+  const Outcome outcome =
+      Call({"--free", "plant.inertia.I9,plant.inertia.I2," + damping, "--free", kStiffness + "," + kStiffness, "--set",
+            damping + "=0", "--bound", "plant.inertia.I2=2:1", "--bound", "plant.inertia.I2=1:2", "--bound",
+            "plant.inertia.I2=1:2", "--bound", "plant.inertia.I3=1:2", "--set",
+            R"(input.T_airgap.source={type="constant",value=1.0})", "--out", "line.toml"});
   EXPECT_EQ(outcome.exit, 2);
-  for (const char* says :
-       {"\"plant.inertia.I9\" is no number", "is 0: it gives no magnitude", "\"plant.inertia.I2=2:1\" gives no bounds",
-        "\"plant.inertia.I3\" is none of the --free", "is the scenario itself"})
+  for (const std::string& says :
+       {std::string("\"plant.inertia.I9\" is no number"), std::string("is 0: it gives no magnitude"),
+        std::string("\"plant.inertia.I2=2:1\" gives no bounds"), std::string("\"plant.inertia.I2\" has bounds already"),
+        std::string("\"plant.inertia.I3\" is none of the --free"), "\"" + kStiffness + "\" stands there twice",
+        std::string("replaces a table"), std::string("is there already, and not from identify")})
     EXPECT_THAT(outcome.err, HasSubstr(says));
+}
+
+TEST_F(Identify, WritesOverNothingButItsOwn) {
+  Record();
+  const std::string before = ReadBytes(bench_ / "record.csv");
+  EXPECT_EQ(Call({"--free", kInertia, "--starts", "1", "--out", "record.csv"}).exit, 2);
+  EXPECT_EQ(ReadBytes(bench_ / "record.csv"), before);
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(Call({"--free", kInertia, "--starts", "1", "--out", "found.toml"}).exit, 0);
+  EXPECT_EQ(bench_
+                .Call({"identify", "found.toml", "--data", "record.csv", "--free", kInertia, "--starts", "1", "--out",
+                       "found.toml"})
+                .exit,
+            2);
 }
 
 TEST_F(Identify, AResponseNeedsADriveLineWithOne) {
