@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kProminence_dB = 6.0;
 constexpr double kCoherent = 0.8;  // of the output is the input's
-constexpr double kAbove = 0.95;    // of the output at a landmark is no noise
+constexpr double kPeak = 0.95;     // ... at a resonance: among hundreds of bins noise reaches the other
 
 Result<AnalysisSettings> SettingsOf(const Plan& plan, const Rig& rig) {
   Diagnostics diagnostics;
@@ -241,7 +241,7 @@ bool ChangesItsSign(const score::Response& response, const std::vector<double>& 
   const double below_hz = above == resonances_hz.begin() ? response.frequency_hz.front() : *std::prev(above);
   const auto half_way = [&](double hz) { return BinOf(response, std::sqrt(hz * dip_hz)); };
   const std::size_t low = half_way(below_hz), high = half_way(*above);
-  return std::min(response.coherence[low], response.coherence[high]) >= kAbove &&
+  return std::min(response.coherence[low], response.coherence[high]) >= kCoherent &&
          std::real(response.gain[high] * std::conj(response.gain[low])) < 0.0;
 }
 
@@ -356,7 +356,7 @@ Result<Landmarks> LandmarksOf(const score::Response& response, double apart_hz) 
   const score::PeakList found = score::FindPeaks(response.frequency_hz, response.Magnitude(), kProminence_dB);
   std::vector<score::Peak> peaks;
   for (const score::Peak& peak : found.peaks) {
-    if (peak.kind == score::PeakKind::kResonance && response.coherence[BinOf(response, peak.frequency_hz)] >= kAbove)
+    if (peak.kind == score::PeakKind::kResonance && response.coherence[BinOf(response, peak.frequency_hz)] >= kPeak)
       peaks.push_back(peak);
   }
   const auto lower = [](const score::Peak& a, const score::Peak& b) { return a.height < b.height; };
