@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Re-identifies the thesis' drive lines from synthetic chirps, and predicts what is mounted on them next.
 
-usage: bench/reidentify.py [BUILD_FOLDER] [--starts N] [--out DIR] [--json FILE]
+usage: bench/reidentify.py [BUILD_FOLDER] [--method two_stage|response] [--starts N] [--out DIR] [--json FILE]
 
 Records are the program's own, from solver `reference`, with white noise of 1 N m on T_shaft (the chirp has 1000 N m). All
 that the fits know are the bounds of Tables A.2 and A.6 and the machine's inertia I1: from its air-gap torque to the shaft
@@ -22,6 +22,7 @@ import subprocess
 root = pathlib.Path(__file__).resolve().parent.parent
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("build", nargs="?", default=root / "build", type=pathlib.Path)
+parser.add_argument("--method", action="append", choices=("two_stage", "response"), help="default: both")
 parser.add_argument("--starts", type=int, default=24)
 parser.add_argument("--out", type=pathlib.Path, default=root / "out" / "reidentify")
 parser.add_argument("--json", type=pathlib.Path)
@@ -55,7 +56,7 @@ STRUCTURES = {
     "soft rotor, Table A.5": ("heavy_duty/soft_rotor", ROTOR),
     "soft rotor, Table A.7": ("r2r/soft_rotor", ROTOR),
 }
-METHODS = ("two_stage", "response")
+METHODS = arguments.method or ("two_stage", "response")
 MOUNTED = {1: 0.0, 2: 0.13, 3: 0.37}  # kg m^2 on the heavy-duty test bed, behind I5
 
 
