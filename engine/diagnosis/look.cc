@@ -136,8 +136,14 @@ Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedR
                       .title = fmt::format("{}: mean residual over {}", title, other.name),
                       .x = {other.name, other.unit},
                       .y = {channel.name, channel.unit}};
-      picture.curves = {MeanOver("before", along.measured, Minus(own.measured, own.nominal))};
-      if (after) picture.curves.push_back(MeanOver("after", along.measured, Minus(own.measured, own.extended)));
+      // Over what the best model says: a sensor's noise on both axes would pass for a slope.
+      const Values& over = after ? along.extended : along.measured;
+      picture.curves = {MeanOver("before", over, Minus(own.measured, own.nominal))};
+      if (after) {
+        picture.curves.push_back(MeanOver("after", over, Minus(own.measured, own.extended)));
+        picture.curves.push_back(MeanOver("extended - simulated", over, Minus(own.extended, own.nominal)));
+        picture.curves.back().style = Curve::Style::kDashed;
+      }
       if (!picture.curves.front().x.empty()) pictures.push_back(std::move(picture));
     }
   }
