@@ -197,10 +197,10 @@ std::string ToTable(const Identified& identified) {
     text += fmt::format("{:<44}{:>14.6g}{:>14.6g}   {}\n", one.key, one.nominal, one.value,
                         one.on_bound ? "on its bound" : interval);
   }
-  if (!identified.landmarks.resonances_hz.empty())
-    text += fmt::format("resonances at {:.1f} Hz; zeros at {:.1f} Hz\n",
-                        fmt::join(identified.landmarks.resonances_hz, ", "),
-                        fmt::join(identified.landmarks.zeros_hz, ", "));
+  const auto& [resonances, gains, zeros] = identified.landmarks;
+  if (!resonances.empty())
+    text += fmt::format("resonances at {:.1f} Hz; {}\n", fmt::join(resonances, ", "),
+                        zeros.empty() ? "no zeros" : fmt::format("zeros at {:.1f} Hz", fmt::join(zeros, ", ")));
   for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
   text += fmt::format("NRMSE {:.4g} -> {:.4g}; {} of {} starts reached the best fit\n", identified.nrmse_before,
                       identified.nrmse_after, identified.converged, identified.starts);
