@@ -82,6 +82,12 @@ def record(scenario):
     return out / f"{scenario}.h5"
 
 
+def fit(scenario, keys, data, *more):
+    """`identify` within the bounds of these keys."""
+    bounds = [word for key, (low, high) in keys.items() for word in ("--bound", f"{key}={low}:{high}")]
+    return call("identify", scenario, "--data", data, "--map", out / "map.toml", "--free", ",".join(keys), *bounds, *more)
+
+
 def middle(bounds):
     return math.sqrt(bounds[0] * bounds[1]) if bounds[0] > 0.0 else 0.03 * bounds[1]
 
@@ -89,21 +95,15 @@ def middle(bounds):
 def identify(scenario, keys, data, method):
     """In one or two stages from the bounds alone, then by the free-run error from there."""
     found = {stage: out / f"{scenario.replace('/', '_')}_{method}_{stage}.toml" for stage in ("first", "last")}
-    fixed = ["--data", data, "--map", out / "map.toml", "--free", ",".join(keys)]
-    for key, (low, high) in keys.items():
-        fixed += ["--bound", f"{key}={low}:{high}"]
     start = changes(f"{key}={middle(bounds)}" for key, bounds in keys.items())
-    first = call("identify", scenario, *fixed, *start, "--method", method, "--starts", arguments.starts,
-                 "--out", found["first"])
-    last = call("identify", found["first"], *fixed, "--method", "free_run", "--starts", 1, "--out", found["last"])
+    first = fit(scenario, keys, data, *start, "--method", method, "--starts", arguments.starts, "--out", found["first"])
+    last = fit(found["first"], keys, data, "--method", "free_run", "--starts", 1, "--out", found["last"])
     return first, last, found["last"]
 
 
 def truth(scenario, keys):
     """What the scenario's file says, and the NRMSE that the noise alone makes: by a fit that has nothing to do."""
-    done = call("identify", scenario, "--data", out / f"{scenario}.h5", "--map", out / "map.toml", "--free", ",".join(keys),
-                *[word for key, (low, high) in keys.items() for word in ("--bound", f"{key}={low}:{high}")],
-                "--starts", 1)
+    done = fit(scenario, keys, out / f"{scenario}.h5", "--starts", 1)
     return {key: one["nominal"] for key, one in done["parameters"].items()}, done["nrmse_before"]
 
 

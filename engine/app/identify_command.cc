@@ -97,15 +97,16 @@ void CheckOut(const IdentifyArguments& arguments, const MeasuredCase& measured, 
   std::ifstream file(arguments.out);
   std::string begin(diagnosis::kIdentified.size(), ' ');
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const std::filesystem::path out = Whole(arguments.out);
   std::error_code error;
-  if (Whole(arguments.out).empty())
+  if (out.empty())
     diagnostics.Error(where, fmt::format("\"{}\" is no place for a file", arguments.out));
   else if (std::filesystem::exists(arguments.out, error) && begin != diagnosis::kIdentified)
     diagnostics.Error(where, fmt::format("\"{}\" is there already, and not from identify", arguments.out),
                       "give another name");
-  else if (Whole(arguments.out) == Whole(measured.file))
+  else if (out == Whole(measured.file))
     diagnostics.Error(where, "is the scenario itself, which the new file includes", "give another name");
-  else if (Whole(arguments.out) == Whole(arguments.common.json))
+  else if (out == Whole(arguments.common.json))
     diagnostics.Error(where, "is where --json goes", "give another name");
   for (const std::string& change : arguments.overrides) {
     const Value* value = measured.plan.root.FindPath(change.substr(0, change.find('=')));
@@ -178,10 +179,10 @@ void AddIdentify(CLI::App& program, int& exit) {
   command
       ->add_option(
           "--method", arguments->method,
-          "free_run: the error sample by sample (default). For values far off: spectrum: of the outputs; response: of "
-          "a "
-          "drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their gains")
-      ->check(CLI::IsMember({"free_run", "spectrum", "response", "two_stage"}));
+          "free_run: the error sample by sample (default). For values far off: spectrum: of the outputs; response: "
+          "of a drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their "
+          "gains")
+      ->check(CLI::IsMember(kMethods));
   command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);

@@ -4,10 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "diagnosis/noise.h"
-#include "score/fft.h"
+#include "diagnosis/step_spectrum.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -65,20 +64,17 @@ Eigen::VectorXd ByBand(std::size_t rows, const Line& line) {
 /// Zeros behind a channel make a length that is quick to transform.
 std::size_t Padded(Eigen::Index rows) { return std::bit_ceil(static_cast<std::size_t>(rows)); }
 
-/// Of one channel's differences: what does not end where it began would show in all lines.
+/// Of one channel's steps.
 Eigen::VectorXd PowerByBand(const Eigen::Ref<const Eigen::VectorXd>& rows) {
-  std::vector<double> steps(Padded(rows.size()), 0.0);
-  for (Eigen::Index i = 1; i < rows.size(); ++i) steps[static_cast<std::size_t>(i)] = rows[i] - rows[i - 1];
-  const std::vector<std::complex<double>> lines = score::Fft(steps);
-  return ByBand(steps.size(), [&](std::size_t k) { return std::norm(lines[k]); });
+  const std::vector<std::complex<double>> lines = StepLines(rows, Padded(rows.size()));
+  return ByBand(lines.size(), [&](std::size_t k) { return std::norm(lines[k]); });
 }
 
 /// The same of white noise with this standard deviation.
 Eigen::VectorXd NoiseByBand(Eigen::Index rows, double sigma) {
   const std::size_t padded = Padded(rows);
   return ByBand(padded, [&](std::size_t k) {
-    const double step = 2.0 * std::sin(std::numbers::pi * static_cast<double>(k) / static_cast<double>(padded));
-    return static_cast<double>(rows) * sigma * sigma * step * step;
+    return StepNoisePower(rows, sigma, static_cast<double>(k) / static_cast<double>(padded));
   });
 }
 

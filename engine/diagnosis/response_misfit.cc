@@ -4,15 +4,15 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
-#include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "diagnosis/noise.h"
+#include "diagnosis/step_spectrum.h"
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
 #include "mechanics/symmetric_eigen.h"
-#include "score/fft.h"
 #include "score/peaks.h"
 #include "score/response.h"
 
@@ -35,6 +35,23 @@ Result<AnalysisSettings> SettingsOf(const Plan& plan, const Rig& rig) {
 Failure CannotBuild(const Plan& plan, const Diagnostics& diagnostics) {
   const std::string why = diagnostics.items().empty() ? "" : ": " + diagnostics.items().front().message;
   return {.message = "the model cannot be built with these numbers" + why, .signal = plan.id, .exit_code = 2};
+}
+
+/// The model's frequency response, and the band in which it is looked at.
+struct Modelled {
+  AnalysisSettings settings;
+  mechanics::TransferFunction transfer;
+};
+
+Result<Modelled> ModelOf(const Plan& plan, const Registry& registry) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, registry, diagnostics);
+  if (prepared == nullptr) return CannotBuild(plan, diagnostics);
+  const Result<AnalysisSettings> settings = SettingsOf(plan, *prepared->rig);
+  if (!settings.ok()) return settings.failure();
+  Result<mechanics::TransferFunction> transfer = TransferOf(*prepared->rig, *settings);
+  if (!transfer.ok()) return transfer.failure();
+  return Modelled{*settings, *std::move(transfer)};
 }
 
 std::string Because(const std::string& reason) { return reason.empty() ? "" : ": " + reason; }
@@ -121,14 +138,9 @@ class OfResponse : public Misfit {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> Courses() const override { return {{0, size()}}; }
 
   Result<Eigen::VectorXd> Of(const Plan& plan) const override {
-    Diagnostics diagnostics;
-    const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, study_.registry(), diagnostics);
-    if (prepared == nullptr) return CannotBuild(plan, diagnostics);
-    const Result<AnalysisSettings> settings = SettingsOf(plan, *prepared->rig);
-    if (!settings.ok()) return settings.failure();
-    const Result<mechanics::TransferFunction> transfer = TransferOf(*prepared->rig, *settings);
-    if (!transfer.ok()) return transfer.failure();
-    return ErrorOf(*transfer, settings->to_Hz);
+    const Result<Modelled> model = ModelOf(plan, study_.registry());
+    if (!model.ok()) return model.failure();
+    return ErrorOf(model->transfer, model->settings.to_Hz);
   }
 
  protected:
@@ -233,14 +245,11 @@ class Gains : public Resonances {
   }
 };
 
-/// Whether the response changes its sign at a dip between two resonances, or below the first: two modes that add up
-/// make a dip, too, but no zero. Seen half-way to its neighbours, where both have to be more than noise.
-bool ChangesItsSign(const score::Response& response, const std::vector<double>& resonances_hz, double dip_hz) {
-  const auto above = std::upper_bound(resonances_hz.begin(), resonances_hz.end(), dip_hz);
-  if (above == resonances_hz.end()) return false;
-  const double below_hz = above == resonances_hz.begin() ? response.frequency_hz.front() : *std::prev(above);
+/// Whether the response changes its sign at a dip between two resonances, or between its begin and the first: two modes
+/// that add up make a dip, too, but no zero. Seen half-way to either, where both have to be more than noise.
+bool ChangesItsSign(const score::Response& response, double below_hz, double dip_hz, double above_hz) {
   const auto half_way = [&](double hz) { return BinOf(response, std::sqrt(hz * dip_hz)); };
-  const std::size_t low = half_way(below_hz), high = half_way(*above);
+  const std::size_t low = half_way(below_hz), high = half_way(above_hz);
   return std::min(response.coherence[low], response.coherence[high]) >= kCoherent &&
          std::real(response.gain[high] * std::conj(response.gain[low])) < 0.0;
 }
@@ -257,9 +266,7 @@ void TakeOutHold(score::Response& response, double step_s) {
 std::vector<double> ShareAboveNoise(const score::Response& response, const std::vector<double>& values, double step_s) {
   const Eigen::Map<const Eigen::VectorXd> rows(values.data(), static_cast<Eigen::Index>(values.size()));
   const double floor = HighFrequencyFloor(rows), seconds = step_s * static_cast<double>(rows.size());
-  std::vector<double> steps(values.size() - 1);
-  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = values[i + 1] - values[i];
-  const std::vector<std::complex<double>> lines = score::Fft(steps);
+  const std::vector<std::complex<double>> lines = StepLines(rows, values.size() - 1);
   constexpr std::ptrdiff_t kAround = 4;  // lines to either side, as the response is smoothed
   std::vector<double> share;
   for (const double hz : response.frequency_hz) {
@@ -269,8 +276,7 @@ std::vector<double> ShareAboveNoise(const score::Response& response, const std::
       if (k >= static_cast<std::ptrdiff_t>(lines.size() / 2)) break;
       power += std::norm(lines[static_cast<std::size_t>(k)]), count += 1.0;
     }
-    const double step = 2.0 * std::sin(std::numbers::pi * hz * step_s);
-    const double noise = count * static_cast<double>(rows.size()) * floor * floor * step * step;
+    const double noise = count * StepNoisePower(rows.size(), floor, hz * step_s);
     share.push_back(power > 0.0 ? std::max(0.0, 1.0 - noise / power) : 0.0);
   }
   return share;
@@ -283,14 +289,14 @@ struct Seen {
   double step_s;
 };
 
-/// Stages but noise; empty: none.
-std::string StagesOf(const Plan& plan, const std::string& path) {
+/// But noise.
+bool HasStages(const Plan& plan, const std::string& path) {
   const Value* stages = plan.root.FindPath(path);
   for (std::size_t i = 0; stages != nullptr && stages->is_array() && i < stages->array().size(); ++i) {
     const Value* type = stages->array()[i].Find("type");
-    if (type != nullptr && type->is_string() && type->string() != "noise") return path;
+    if (type != nullptr && type->is_string() && type->string() != "noise") return true;
   }
-  return "";
+  return false;
 }
 
 Result<Seen> See(const Study& study) {
@@ -298,21 +304,16 @@ Result<Seen> See(const Study& study) {
   const auto refuse = [&plan](std::string why) {
     return Failure{.message = std::move(why), .signal = plan.id, .exit_code = 2};
   };
-  Diagnostics diagnostics;
-  const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, study.registry(), diagnostics);
-  if (prepared == nullptr) return CannotBuild(plan, diagnostics);
-  const Result<AnalysisSettings> settings = SettingsOf(plan, *prepared->rig);
-  if (!settings.ok()) return settings.failure();
-  const Result<mechanics::TransferFunction> modelled = TransferOf(*prepared->rig, *settings);
-  if (!modelled.ok()) return modelled.failure();
-  for (const std::string& stages : {StagesOf(plan, "input." + settings->input + ".actuator"),
-                                    StagesOf(plan, "output." + settings->output + ".sensor")}) {
-    if (!stages.empty())
+  const Result<Modelled> model = ModelOf(plan, study.registry());
+  if (!model.ok()) return model.failure();
+  const AnalysisSettings& settings = model->settings;
+  for (const std::string& stages : {"input." + settings.input + ".actuator", "output." + settings.output + ".sensor"}) {
+    if (HasStages(plan, stages))
       return refuse(stages + " is no part of the line's frequency response; take spectrum or free_run");
   }
-  std::string why = "no record has both " + settings->input + " and " + settings->output;
+  std::string why = "no record has both " + settings.input + " and " + settings.output;
   for (const MappedRecord& record : study.records()) {
-    const auto input = record.inputs.find(settings->input), output = record.outputs.find(settings->output);
+    const auto input = record.inputs.find(settings.input), output = record.outputs.find(settings.output);
     if (input == record.inputs.end() || output == record.outputs.end()) continue;
     if (*input->second.time != *output->second.time) {
       why = "input and output have time stamps of their own";
@@ -320,7 +321,7 @@ Result<Seen> See(const Study& study) {
     }
     const std::vector<double>& time = *input->second.time;
     Seen seen = {score::EstimateResponse(time, *input->second.values, *output->second.values,
-                                         {settings->from_Hz, settings->to_Hz, 0.0}),
+                                         {settings.from_Hz, settings.to_Hz, 0.0}),
                  output->second.values.get(), 0.0};
     why = seen.response.reason + "; analysis.from_Hz and analysis.to_Hz bound it";
     if (seen.response.verdict != score::Verdict::kPass) continue;
@@ -371,18 +372,18 @@ Result<Landmarks> LandmarksOf(const score::Response& response, double apart_hz) 
     landmarks.resonances_hz.push_back(peak.frequency_hz);
     landmarks.gains.push_back(peak.height);
   }
-  // Of several dips below one resonance the deepest: the others are noise in it.
-  std::map<std::size_t, score::Peak> zeros;
-  for (const score::Peak& peak : found.peaks) {
-    if (peak.kind != score::PeakKind::kAntiResonance ||
-        !ChangesItsSign(response, landmarks.resonances_hz, peak.frequency_hz))
-      continue;
-    const auto above =
-        std::upper_bound(landmarks.resonances_hz.begin(), landmarks.resonances_hz.end(), peak.frequency_hz);
-    const auto [zero, first] = zeros.emplace(above - landmarks.resonances_hz.begin(), peak);
-    if (!first && lower(peak, zero->second)) zero->second = peak;
+  // Of several dips between two resonances the deepest: the others are noise in it.
+  double below_hz = response.frequency_hz.front();
+  for (const double above_hz : landmarks.resonances_hz) {
+    std::optional<score::Peak> zero;
+    for (const score::Peak& dip : found.peaks) {
+      if (dip.kind == score::PeakKind::kAntiResonance && dip.frequency_hz >= below_hz && dip.frequency_hz < above_hz &&
+          ChangesItsSign(response, below_hz, dip.frequency_hz, above_hz) && (!zero || lower(dip, *zero)))
+        zero = dip;
+    }
+    if (zero) landmarks.zeros_hz.push_back(zero->frequency_hz);
+    below_hz = above_hz;
   }
-  for (const auto& [above, zero] : zeros) landmarks.zeros_hz.push_back(zero.frequency_hz);
   return landmarks;
 }
 

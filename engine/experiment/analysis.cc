@@ -5,18 +5,14 @@
 #include <algorithm>
 
 #include "experiment/checks.h"
+#include "model/section.h"
 
 namespace dynoproof {
 
 std::optional<AnalysisSettings> ReadAnalysis(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
-  const Value* table = plan.root.Find("analysis");
-  if (table == nullptr) return std::nullopt;
-  if (!table->is_table()) {
-    diagnostics.Error(table->where(), "\"analysis\" is " + table->KindName(), "write [analysis]");
-    return std::nullopt;
-  }
+  const Value* table = SectionTable(plan, "analysis", "write [analysis]", diagnostics);
   AnalysisSettings settings;
-  if (!ReadParams(*table, settings, diagnostics, "analysis")) return std::nullopt;
+  if (table == nullptr || !ReadParams(*table, settings, diagnostics, "analysis")) return std::nullopt;
   Faults faults(*table, diagnostics, "analysis");
   const int before = diagnostics.error_count();
   const auto suggest = [](const std::string& word, const auto& lines) {

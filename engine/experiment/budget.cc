@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "base/subnormals.h"
+#include "model/section.h"
 #include "sim/simulate.h"
 #include "sim/solver.h"
 
@@ -65,14 +66,9 @@ double Pick(std::vector<double>& values, double q) {
 }  // namespace
 
 std::optional<Budget> ReadBudget(const Plan& plan, Diagnostics& diagnostics) {
-  const Value* table = plan.root.Find("budget");
-  if (table == nullptr) return std::nullopt;
+  const Value* table = SectionTable(plan, "budget", "write [budget]", diagnostics);
   Budget budget;
-  if (!table->is_table()) {
-    diagnostics.Error(table->where(), "\"budget\" is " + table->KindName(), "write [budget]");
-    return std::nullopt;
-  }
-  if (!ReadParams(*table, budget, diagnostics, "budget")) return std::nullopt;
+  if (table == nullptr || !ReadParams(*table, budget, diagnostics, "budget")) return std::nullopt;
   return budget;
 }
 

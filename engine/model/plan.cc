@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "model/section.h"
+
 namespace dynoproof {
 namespace {
 
@@ -115,14 +117,9 @@ void ExtensionSpec::Check(Faults& faults) const {
 }
 
 std::optional<ExtensionSpec> ReadExtension(const Plan& plan, Diagnostics& diagnostics) {
-  const Value* table = plan.root.Find("extension");
-  if (table == nullptr) return std::nullopt;
-  if (!table->is_table()) {
-    diagnostics.Error(table->where(), "\"extension\" is " + table->KindName(), "write [extension] with of = \"...\"");
-    return std::nullopt;
-  }
+  const Value* table = SectionTable(plan, "extension", "write [extension] with of = \"...\"", diagnostics);
   ExtensionSpec spec;
-  if (!ReadParams(*table, spec, diagnostics, "extension")) return std::nullopt;
+  if (table == nullptr || !ReadParams(*table, spec, diagnostics, "extension")) return std::nullopt;
   return spec;
 }
 
