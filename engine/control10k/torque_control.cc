@@ -54,7 +54,9 @@ TorqueControl::TorqueControl(const TorqueConfig& config)
   inverse_gain_ = 1.0 / gain_;
   rotor_rate_ = m_.rotor_rate();
   ampere_per_torque_flux_ = 1.0 / m_.TorquePerAmpere(1.0);
-  reset_ = bandwidth * (m_.R_s + m_.R_R);
+  // R_R i stands in the voltage fed ahead (flux_rate and slip below): the pole that the controllers meet is R_s /
+  // L_sigma.
+  reset_ = bandwidth * m_.R_s;
   flux_gain_ = flux_bandwidth / m_.R_R;
   flux_reset_ = flux_bandwidth / m_.L_M;
 }

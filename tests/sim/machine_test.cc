@@ -157,7 +157,9 @@ TEST(RotorFluxControl, TorqueStepsAsTheCurrentControllersAreDesigned) {
       // large step meets the voltage limit on the way (12 N m: 0.8 to 1.27 ms) and is slower.
       EXPECT_GT(f.rise_s, 0.9 * 1.47 / W) << speed << " rad/s, " << height << " N m";
       EXPECT_LT(f.rise_s, (height < 12.0 ? 1.1 * 1.47 : 2.5) / W) << speed << " rad/s, " << height << " N m";
-      EXPECT_LT(f.overshoot, 0.04) << speed << " rad/s, " << height << " N m";
+      // The delayed integrator does not overshoot (1.5 W T = 0.28 < 1/e); the flux, which the torque step disturbs, and
+      // the back-EMF, which is fed forward a period late, are left.
+      EXPECT_LT(f.overshoot, 0.005) << speed << " rad/s, " << height << " N m";
       EXPECT_LT(f.error, 2e-3) << speed << " rad/s, " << height << " N m";
       EXPECT_LT(f.ripple, 2e-4) << speed << " rad/s, " << height << " N m";
     }
