@@ -3,7 +3,7 @@
 # over everything; margins of all checks and their spread over the builds; the benchmarks beside their peers. Results go to
 # out/nightly/. Needs clang, valgrind; SciPy and Octave take part where they are installed.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 mkdir -p out/nightly
 rm -f out/nightly/run*.json  # what an earlier night left must not be compared
 failed=0

@@ -2,7 +2,7 @@
 # Installs what is missing, builds, runs every scenario (or those given; all arguments go to `dynoproof run`) and writes
 # traces, scores and the report to out/.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 
 ./ci/setup.sh || exit 2
 ./ci/build.sh build dynoproof || exit 2

@@ -12,10 +12,12 @@ missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
 done
-# npm, of whatever origin, fetches what draws the report's pictures; Slurm is what campaigns on a cluster are tested with.
-# Without npm the pictures are drawn plainly, without Slurm its test is skipped: their absence stops nothing.
+# npm, of whatever origin, fetches what draws the report's pictures; Slurm is what campaigns on a cluster are tested with;
+# clang-format and shellcheck are what ci/presubmit.sh asks.
+# Without npm the pictures are drawn plainly, without Slurm its test is skipped; presubmit says what it could not check.
 wanted=()
 command -v npm >/dev/null || wanted+=(npm)
+for tool in clang-format shellcheck; do command -v "$tool" >/dev/null || wanted+=("$tool"); done
 command -v slurmctld >/dev/null || [ -x /usr/sbin/slurmctld ] || wanted+=(slurm-wlm munge)
 [ ${#missing[@]} -eq 0 ] && [ ${#wanted[@]} -eq 0 ] && exit 0
 

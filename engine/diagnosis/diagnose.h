@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,22 @@ struct Refitted {
   bool start = false;                                  // of the record, not of the model
 };
 
+/// The tests of the residual, each with its least p value over the signals; absent where no signal could be tested.
+struct ResidualTests {
+  static constexpr double kLevel = 1e-3;     // a hypothesis with a smaller p value is rejected
+  std::optional<double> ljung_box_p_value;   // that the residual after its autoregressive noise model is white
+  std::optional<double> regression_p_value;  // F test: that it is independent of inputs, predicted outputs, their past
+  std::optional<double> line_p_value;        // Fisher's g test: that its spectrum has no line
+  std::optional<bool> white() const { return Holds(ljung_box_p_value); }
+  std::optional<bool> independent_of_inputs() const { return Holds(regression_p_value); }
+
+ private:
+  static std::optional<bool> Holds(const std::optional<double>& p) {
+    return p ? std::optional(*p > kLevel) : std::nullopt;
+  }
+};
+ResidualTests TestsOf(const std::vector<Structure>& structure);
+
 struct Diagnosis {
   Verdict verdict = Verdict::kUnexplained;
   std::vector<FoundEffect> effects;
@@ -48,8 +65,8 @@ struct Diagnosis {
   std::string experiment_text, experiment_scenario, extended_scenario;
   WhereWrong where;
   double noise_floor = 0.0;  // NRMSE that noise alone would leave; RMS over the signals
-  bool at_noise_floor = false, white = false;
-  double p_value = 1.0;  // of the residual being white after its own colour is taken off
+  bool at_noise_floor = false;
+  ResidualTests tests;
   std::map<std::string, double> floor_by_signal, residual_by_signal;  // unit of the signal
   std::map<std::string, SignalGain> train, holdout;
   bool own_holdout = false;  // --holdout was given

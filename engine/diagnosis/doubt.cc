@@ -77,7 +77,7 @@ std::vector<Doubt> DoubtsOf(const Plan& plan) {
       const Value* stiffness = plan.root.FindPath(path + "stiffness_Nm_per_rad");
       const Value* damping = plan.root.FindPath(path + "damping_Nms_per_rad");
       // A damping that is nominally 0 is a simplification, which a hypothesis of another structure may not inherit. The
-      // spread: 1 % of critical damping for a mass of 0.1 kg m^2 behind the shaft.
+      // spread: a thousandth of the critical damping 2 sqrt(k J) for J = 0.1 kg m^2 behind the shaft.
       if (IsNumber(stiffness) && damping != nullptr && damping->is_number() && damping->number() == 0.0) {
         doubts.push_back(
             {path + "damping_Nms_per_rad", false, 0.002 * std::sqrt(0.1 * stiffness->number()), false, "", "", true});

@@ -88,6 +88,20 @@ Result<Diagnosis> Judgement::Report() {
   return std::move(result_);
 }
 
+ResidualTests TestsOf(const std::vector<Structure>& structure) {
+  ResidualTests tests;
+  const auto keep_least = [](std::optional<double>& least, const std::optional<double>& p) {
+    if (p && (!least || *p < *least)) least = p;
+  };
+  for (const Structure& one : structure) {
+    if (!one.tested) continue;
+    keep_least(tests.ljung_box_p_value, one.ljung_box_p_value);
+    keep_least(tests.regression_p_value, one.p_value);
+    keep_least(tests.line_p_value, one.line_p_value);
+  }
+  return tests;
+}
+
 void Judgement::Judge() {
   Fit& null = found_.null;
   std::vector<Fit>& fits = found_.fits;
@@ -136,16 +150,14 @@ void Judgement::Judge() {
   }
   fits = std::move(standing);
   bool rest = AnyFound(structure);
-  for (std::size_t c = 0; c < structure.size(); ++c)
-    result_.p_value = std::min({result_.p_value, structure[c].p_value, structure[c].line_p_value});
-  result_.white = std::all_of(structure.begin(), structure.end(), [](const Structure& s) { return s.p_value > 1e-3; });
-  rest = rest || (!result_.white && !fits.empty() && LeavesTheSignal(study_, null, fits.front()));
+  result_.tests = TestsOf(structure);
+  rest = rest || (!result_.tests.independent_of_inputs().value_or(true) && !fits.empty() &&
+                  LeavesTheSignal(study_, null, fits.front()));
   result_.at_noise_floor = !rest;
   if (fits.empty()) {
     result_.verdict = Verdict::kUnexplained;
     if (rest) {
-      result_.reason =
-          "the residual follows the inputs, has a line or is too large for noise, and no candidate accounts for it";
+      result_.reason = fmt::format("no candidate accounts for the residual: {}", TextOf(structure));
     } else if (!strained.empty()) {
       result_.reason = fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
                                    fmt::join(strained, ", "));
@@ -163,9 +175,11 @@ void Judgement::Judge() {
   // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
   if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
   if (rest) {
+    const std::string left = TextOf(structure);
     result_.verdict = Verdict::kUnexplained;
-    result_.reason = fmt::format("the best candidate, {}, leaves structure in the residual{}{}", fits.front().Name(),
-                                 found_.partial.empty() ? "" : "; ", found_.partial);
+    result_.reason =
+        fmt::format("the best candidate, {}, leaves structure in the residual{}{}{}{}", fits.front().Name(),
+                    left.empty() ? "" : ": ", left, found_.partial.empty() ? "" : "; ", found_.partial);
   } else if (const double strain = Farthest(study_, fits.front()); strain > kWithinDoubt) {
     result_.verdict = Verdict::kUnexplained;
     result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",

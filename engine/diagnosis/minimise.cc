@@ -113,7 +113,7 @@ Plan With(Plan plan, const std::vector<Axis>& axes, const std::vector<double>& x
 }
 
 Result<Optimum> Minimise(const Plan& plan, const Misfit& misfit, const std::vector<Axis>& axes,
-                         const SearchOptions& options) {
+                         const MultiStartOptions& options) {
   const Cost cost(plan, misfit, axes);
   Optimum best;
   for (const Axis& axis : axes) best.x.push_back(axis.Nominal());

@@ -43,7 +43,7 @@ class Axis {
 /// The plan with these numbers.
 Plan With(Plan plan, const std::vector<Axis>& axes, const std::vector<double>& x);
 
-struct SearchOptions {
+struct MultiStartOptions {
   int starts = 4;         // the first is the nominal one, the others the best of several random points each
   std::size_t tries = 1;  // random points for a start: as many as do not count beside a fit
   std::function<void(double)> progress = [](double) {};
@@ -59,6 +59,6 @@ struct Optimum {
 
 /// Fails where the nominal run breaks, and one beside the optimum; with exit code 4 where nothing is compared.
 Result<Optimum> Minimise(const Plan& plan, const Misfit& misfit, const std::vector<Axis>& axes,
-                         const SearchOptions& options);
+                         const MultiStartOptions& options);
 
 }  // namespace dynoproof::diagnosis

@@ -1,5 +1,7 @@
 #include "diagnosis/noise.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
@@ -29,21 +31,20 @@ double FTail(double f, double m, double n) {
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(m, n), f));
 }
 
-/// Ljung-Box over `lags` on a whitened record.
-double WhitePValue(const Eigen::VectorXd& w, int lags, int fitted) {
+}  // namespace
+
+std::optional<double> LjungBoxPValue(const Eigen::VectorXd& w, int lags, int fitted) {
   const auto n = static_cast<double>(w.size());
   const double power = w.squaredNorm();
-  if (!(power > 0.0) || w.size() < 4 * lags) return 1.0;
+  if (!(power > 0.0) || lags <= fitted || w.size() < 4 * lags) return std::nullopt;
   double q = 0.0;
   for (int k = 1; k <= lags; ++k) {
     const double r = w.head(w.size() - k).dot(w.tail(w.size() - k)) / power;
     q += r * r / (n - k);
   }
   q *= n * (n + 2.0);
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(std::max(1, lags - fitted)), q));
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(lags - fitted), q));
 }
-
-}  // namespace
 
 ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order) {
   const Eigen::Index n = residual.size();
@@ -164,12 +165,37 @@ bool AnyFound(const std::vector<Structure>& structure) {
   return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.found(); });
 }
 
+std::string Structure::Text() const {
+  std::vector<std::string> said;
+  if (FollowsInputs())
+    said.push_back(
+        fmt::format("follows the inputs ({:.3g} % of its variance, F test p = {:.1g})", 100.0 * explained, p_value));
+  if (HasLine())
+    said.push_back(fmt::format("has a line at {:.4g} Hz ({:.3g} % of its variance, Fisher's g test p = {:.1g})",
+                               line_hz, 100.0 * line_share, line_p_value));
+  if (TooLarge())
+    said.push_back(fmt::format(
+        "is too large for noise (RMS {:.3g} times the level of its highest frequencies, variance {:.3g} times "
+        "that of its one-step prediction error)",
+        over_floor, rings));
+  return said.empty() ? "" : fmt::format("{} {}", signal, fmt::join(said, " and "));
+}
+
+std::string TextOf(const std::vector<Structure>& structure) {
+  std::vector<std::string> said;
+  for (const Structure& one : structure) {
+    if (one.found()) said.push_back(one.Text());
+  }
+  return fmt::format("{}", fmt::join(said, "; "));
+}
+
 std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,
                                      const Eigen::VectorXd& predicted) {
   std::vector<Structure> found;
   constexpr int kPast[] = {0, 1, 2, 3, 4, 6, 8, 12};  // samples: what a resonance leaves after whitening is short
   for (const Channel& channel : study.channels()) {
     Structure& result = found.emplace_back();
+    result.signal = channel.name;
     const auto rows = residual.segment(channel.begin, channel.count);
     // A record without noise leaves the rounding of both simulations, which follows everything and means nothing.
     constexpr double kRounding = 1e-9;
@@ -179,6 +205,7 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
     constexpr Eigen::Index kLag = 12;
     const Eigen::Index first = std::max(order, kLag), count = channel.count - first;
     if (count < 100) continue;
+    result.tested = true;
     // Joint regression on the residual's own past and on the features: what the features add to the past is structure.
     const Eigen::MatrixXd features = Features(study, channel, predicted);
     Eigen::MatrixXd past(count, order), other(count, features.cols() * static_cast<Eigen::Index>(std::size(kPast)) + 2);
@@ -219,7 +246,8 @@ std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& 
       result.line_p_value = std::min(1.0, bins * std::exp((bins - 1.0) * std::log1p(-std::min(g, 1.0 - 1e-12))));
       result.line_hz = static_cast<double>(peak - power.begin() + 1) / (static_cast<double>(count) * channel.step_s);
     }
-    result.white_p_value = WhitePValue(alone, 40, 0);
+    constexpr int kFreeLags = 20;  // autocorrelations beyond those that the autoregressive model has fitted away
+    result.ljung_box_p_value = LjungBoxPValue(alone, static_cast<int>(order) + kFreeLags, static_cast<int>(order));
     result.size = RmsOf(rows) / std::max(channel.spread, 1e-300);
     result.over_floor = RmsOf(rows) / std::max(HighFrequencyFloor(rows), 1e-300);
     const double variance = before / static_cast<double>(count);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,31 +48,43 @@ double RmsOf(const Eigen::Ref<const Eigen::VectorXd>& rows);
 /// no drive line moves; the median over the bins, so that tones do not count. Unit of the residual.
 double HighFrequencyFloor(const Eigen::Ref<const Eigen::VectorXd>& residual);
 
+/// P value of the Ljung-Box statistic over the first `lags` autocorrelations of the residuals `w` of a model with
+/// `fitted` coefficients: chi-squared with lags - fitted degrees of freedom, lags > fitted. Nothing for fewer than four
+/// rows a lag, and for zeros.
+std::optional<double> LjungBoxPValue(const Eigen::VectorXd& w, int lags, int fitted);
+
 /// What is not noise in the residual of one channel.
 struct Structure {
-  double explained = 0.0;     // share of the whitened variance that functions of inputs and outputs predict
-  double p_value = 1.0;       // of that share (F test), corrected for the number of features
+  std::string signal;
+  bool tested = false;     // false: too short, or no more than the rounding of the simulations; the rest says nothing
+  double explained = 0.0;  // share of the whitened variance that functions of inputs and outputs predict
+  double p_value = 1.0;    // of that share (F test), corrected for the number of features
   double line_p_value = 1.0;  // of the highest line of the whitened spectrum (Fisher's g test)
   double line_hz = 0.0;
-  double line_share = 0.0;     // of the whitened variance
-  double white_p_value = 1.0;  // Ljung-Box on the whitened residual
-  double rings = 1.0;          // variance of the residual over that of its one-step prediction error
-  double over_floor = 1.0;     // RMS of the residual over HighFrequencyFloor()
-  double bursts = 3.0;         // kurtosis of that prediction error; of a sensor's noise 3
-  double size = 0.0;           // RMS of the residual over the signal's spread
+  double line_share = 0.0;                  // of the whitened variance
+  std::optional<double> ljung_box_p_value;  // of the whitened residual; not part of found(), see there
+  double rings = 1.0;                       // variance of the residual over that of its one-step prediction error
+  double over_floor = 1.0;                  // RMS of the residual over HighFrequencyFloor()
+  double bursts = 3.0;                      // kurtosis of that prediction error; of a sensor's noise 3
+  double size = 0.0;                        // RMS of the residual over the signal's spread
 
+  bool FollowsInputs() const { return p_value < 1e-6 && explained > (bursts > 3.3 ? 0.003 : 0.01); }
+  bool HasLine() const { return line_p_value < 1e-6 && line_share > 0.005; }
   /// Above chance by far, and not so small that it cannot matter: with 1e5 samples everything is significant. Less will
   /// do where the rest comes in bursts, as impacts leave them and sensors do not.
-  bool found() const {
-    return (p_value < 1e-6 && explained > (bursts > 3.3 ? 0.003 : 0.01)) ||
-           (line_p_value < 1e-6 && line_share > 0.005) || TooLarge();
-  }
+  /// Whiteness does not decide: an output-error model is right when its residual is independent of the inputs, whatever
+  /// the noise's colour.
+  bool found() const { return FollowsInputs() || HasLine() || TooLarge(); }
+  /// Which of the tests found something, with their numbers: "T_shaft has a line at 97.4 Hz". Empty: none did.
+  std::string Text() const;
   /// Follows from its own past nearly without error, as a resonance of the machine does, or is far larger than the
   /// highest frequencies allow. Sensors' noise is not: of a first-order lag with 20 samples (pole 0.95) it is 10 times
   /// its prediction error in variance, and 6 times the floor.
   bool TooLarge() const { return (rings > 30.0 || over_floor > 12.0) && size > 1e-3; }
 };
 bool AnyFound(const std::vector<Structure>& structure);
+/// The texts of all channels in which something was found.
+std::string TextOf(const std::vector<Structure>& structure);
 /// Regresses the one-step prediction error of every channel on what noise cannot know: the inputs, the predicted
 /// outputs, their past, squares, magnitudes and signs.
 std::vector<Structure> FindStructure(const Study& study, const Eigen::VectorXd& residual,

@@ -24,6 +24,12 @@ std::string Joined(const std::vector<std::pair<double, double>>& spans, const ch
   return text.empty() ? text : text + " " + unit;
 }
 
+/// null where nothing was computed.
+template <class T>
+json OrNull(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
 }  // namespace
 
 json ToJson(const std::map<std::string, SignalGain>& gains, bool interval) {
@@ -49,8 +55,11 @@ json ToJson(const Diagnosis& d) {
               {"residual",
                {{"noise_floor", d.noise_floor},
                 {"at_noise_floor", d.at_noise_floor},
-                {"white", d.white},
-                {"p_value", d.p_value},
+                {"white", OrNull(d.tests.white())},
+                {"ljung_box_p_value", OrNull(d.tests.ljung_box_p_value)},
+                {"independent_of_inputs", OrNull(d.tests.independent_of_inputs())},
+                {"regression_f_p_value", OrNull(d.tests.regression_p_value)},
+                {"line_fisher_g_p_value", OrNull(d.tests.line_p_value)},
                 {"floor_by_signal", d.floor_by_signal},
                 {"rms_by_signal", d.residual_by_signal}}},
               {"gain", {{"train", ToJson(d.train, false)}, {"holdout", ToJson(d.holdout, true)}}},
