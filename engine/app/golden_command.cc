@@ -66,11 +66,53 @@ std::string ShellQuoted(const std::string& text) {
 
 struct BlessArguments {
   Common common;
-  std::string id, reason;
+  std::string id, reason, golden;
   EvidenceRecords records;
 };
 
-/// The reason as golden/<id>.toml keeps it: with the gain that spoke for an extension.
+/// Whether git holds what the golden run is made from.
+struct Tree {
+  std::string refusal;  // why it may not be made golden; empty: it may
+  std::string note;     // what the user should know all the same
+};
+
+/// Of the program's own scenarios: everything in their tree but golden/.
+Tree ProgramTree() {
+  // Asked of the folder that holds golden/, which the first bless has yet to make.
+  const std::string tree = (std::filesystem::absolute(GoldenFolder()) / "..").lexically_normal().string();
+  const std::optional<std::string> changed =
+      OutputOf("git -C " + ShellQuoted(tree) + " status --porcelain --untracked-files=no -- . ':!golden' 2>/dev/null");
+  if (!changed) return {"cannot ask git whether the tree is clean", ""};
+  if (!changed->empty()) return {"tracked files outside golden/ are changed; commit them first:\n" + *changed, ""};
+  return {};
+}
+
+/// Of a user's scenario: everything in the repository that holds it but golden files. Outside any repository there is
+/// nothing to ask, which is said and no refusal.
+Tree UserTree(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path folder = fs::absolute(file, error).lexically_normal().parent_path();
+  fs::path top = folder;
+  while (!fs::exists(top / ".git", error) && top != top.root_path()) top = top.parent_path();
+  if (!fs::exists(top / ".git", error)) {
+    return {"", fmt::format("no git repository holds {}: nothing tracks what its golden data were made from", file)};
+  }
+  const std::string git = "git -C " + ShellQuoted(folder.string());
+  const std::optional<std::string> changed =
+      OutputOf(git +
+               " status --porcelain --untracked-files=no -- ':(top)' ':(top,exclude,glob)**/*.golden.h5'"
+               " ':(top,exclude,glob)**/*.golden.toml'");
+  if (!changed) return {fmt::format("cannot ask git whether the repository in {} is clean", top.string()), ""};
+  if (!changed->empty())
+    return {"tracked files of the scenario's repository are changed; commit them first:\n" + *changed, ""};
+  const std::optional<std::string> tracked =
+      OutputOf(git + " ls-files -- " + ShellQuoted(fs::path(file).filename().string()));
+  if (tracked && tracked->empty()) return {"", fmt::format("git does not track {} yet: commit it as well", file)};
+  return {};
+}
+
+/// The reason as the golden file keeps it: with the gain that spoke for an extension.
 std::string ReasonWith(std::string reason, const std::optional<diagnosis::Evidence>& evidence) {
   if (!evidence) return reason;
   reason.erase(reason.find_last_not_of(" \t\n") + 1);
@@ -79,7 +121,7 @@ std::string ReasonWith(std::string reason, const std::optional<diagnosis::Eviden
 }
 
 int Bless(const BlessArguments& arguments) {
-  const auto& [common, id, reason, records] = arguments;
+  const auto& [common, id, reason, golden, records] = arguments;
   const auto refuse = [](const std::string& why) {
     Complain("bless refused: " + why + "\n");
     return kUsage;
@@ -87,19 +129,17 @@ int Bless(const BlessArguments& arguments) {
   if (reason.find_first_not_of(" \t\n") == std::string::npos) return refuse("a reason is needed: --reason TEXT");
   if (const char* ci = std::getenv("CI"); ci != nullptr && *ci != '\0')
     return refuse("a CI run does not decide what is right ($CI is set)");
-  // Asked of the folder that holds golden/, which the first bless has yet to make.
-  const std::string tree = (std::filesystem::absolute(GoldenFolder()) / "..").lexically_normal().string();
-  const std::optional<std::string> changed =
-      OutputOf("git -C " + ShellQuoted(tree) + " status --porcelain --untracked-files=no -- . ':!golden' 2>/dev/null");
-  if (!changed) return refuse("cannot ask git whether the tree is clean");
-  if (!changed->empty()) return refuse("tracked files outside golden/ are changed; commit them first:\n" + *changed);
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
   const std::vector<std::string> files = FindScenarios(id, diagnostics);
   if (files.size() > 1) diagnostics.Error({id}, "is a folder", "bless one scenario at a time");
+  PrepareOptions prepare;
+  prepare.golden = golden;
   std::unique_ptr<Prepared> prepared;
-  if (files.size() == 1) prepared = Prepare(files[0], {}, *registry, diagnostics);
+  if (files.size() == 1) prepared = Prepare(files[0], prepare, *registry, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
+  const Tree tree = IsOwnScenario(files[0]) ? UserTree(files[0]) : ProgramTree();
+  if (!tree.refusal.empty()) return refuse(tree.refusal);
   Diagnostics of_records;
   const Result<std::optional<diagnosis::Evidence>> evidence = EvidenceFor(*prepared, records, *registry, of_records);
   Report(of_records);
@@ -130,14 +170,17 @@ int Bless(const BlessArguments& arguments) {
   }
   if (!failing.empty()) return refuse("other checks of the scenario fail:\n" + failing);
   const std::string kept_reason = ReasonWith(reason, *evidence);
-  if (const Status failed = WriteGolden(prepared->plan.id, *trace, kept_reason)) {
+  if (const Status failed = WriteGolden(prepared->golden, *trace, kept_reason)) {
     Complain(failed->ToString() + "\n");
     return failed->exit_code == 2 ? kUsage : kBroken;
   }
   if (*evidence) Print(common, diagnosis::ToTable(**evidence));
-  Print(common, fmt::format("golden/{0}.h5 and golden/{0}.toml now hold this run; look at the change and commit it\n",
-                            prepared->plan.id));
-  nlohmann::json document = {{"id", prepared->plan.id}, {"reason", kept_reason}};
+  Print(common, fmt::format("{} and {} now hold this run; look at the change and commit it\n", prepared->golden.trace,
+                            prepared->golden.tolerances));
+  if (!tree.note.empty()) Complain(tree.note + "\n");
+  nlohmann::json document = {{"id", prepared->plan.id},
+                             {"reason", kept_reason},
+                             {"golden", {prepared->golden.trace, prepared->golden.tolerances}}};
   if (*evidence) document["evidence"] = diagnosis::ToJson(**evidence);
   return WriteJson(common, document);
 }
@@ -166,6 +209,8 @@ void AddBless(CLI::App& program, int& exit) {
   CLI::App* command = program.add_subcommand("bless", "make this run the golden one; needs a reason and a clean tree");
   command->add_option("id", arguments->id, "the scenario")->required();
   command->add_option("--reason", arguments->reason, "why the new trace is right");
+  command->add_option("--golden", arguments->golden,
+                      "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
   command->add_option("--holdout", arguments->records.holdout,
                       "for a scenario with [extension]: record that took no part in the diagnosis");
   command
@@ -179,6 +224,7 @@ void AddBless(CLI::App& program, int& exit) {
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"\n"
+              "  dynoproof bless my_line.toml --reason \"first trace\"    (my_line.golden.h5 and .toml, beside it)\n"
               "  dynoproof bless line_extended --reason \"friction at I3\" --holdout new.csv --record old.csv\n"
               "What diagnose extended is taken only if it foretells the hold-out better and no record worse (95 %).");
   command->callback([arguments, &exit] { exit = Bless(*arguments); });

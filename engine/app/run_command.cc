@@ -22,7 +22,7 @@ namespace {
 struct RunArguments {
   Common common;
   std::vector<std::string> names, overrides;
-  std::string solver, out = "out", junit, markdown, html, data, map, today;
+  std::string solver, out = "out", golden, junit, markdown, html, data, map, today;
   int jobs = 1;
 };
 
@@ -93,6 +93,7 @@ int Run(const RunArguments& arguments) {
   PrepareOptions options;
   options.overrides = arguments.overrides;
   options.solver = arguments.solver;
+  options.golden = arguments.golden;
   std::vector<std::unique_ptr<Prepared>> scenarios;
   std::set<std::string> ids;
   for (const std::string& file : files) {
@@ -124,6 +125,7 @@ int Run(const RunArguments& arguments) {
   if (!arguments.solver.empty()) again += " --solver " + arguments.solver;
   if (!arguments.data.empty()) again += " --data " + arguments.data;
   if (!arguments.map.empty()) again += " --map " + arguments.map;
+  if (!arguments.golden.empty()) again += " --golden " + arguments.golden;
   const bool colour = ColourOn(arguments.common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
   Print(arguments.common, reports::ToTable(results, colour));
   Print(arguments.common, reports::ToCards(results, again, colour));
@@ -151,6 +153,8 @@ void AddRun(CLI::App& program, int& exit) {
       ->allow_extra_args(false);
   command->add_option("--jobs", arguments->jobs, "scenarios at a time")->check(CLI::Range(1, 1024));
   command->add_option("--out", arguments->out, "folder of traces (default out)");
+  command->add_option("--golden", arguments->golden,
+                      "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
   command->add_option("--junit", arguments->junit, "write JUnit XML");
   command->add_option("--markdown", arguments->markdown, "write a Markdown summary");
   command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");

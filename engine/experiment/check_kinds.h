@@ -199,14 +199,15 @@ class DivergenceCheck : public CheckPlan {
   Params p_;
 };
 
-/// The run against golden/<id>.h5, with the tolerances of golden/<id>.toml.
+/// The run against the golden trace of the scenario, with its tolerances (golden_place.h).
 class GoldenCheck : public CheckPlan {
  public:
   struct Params {
     void Visit(auto&) {}
   };
   static constexpr const char* kName = "golden";
-  static constexpr const char* kSummary = "the trace against golden/<id>.h5 within the tolerances of golden/<id>.toml";
+  static constexpr const char* kSummary =
+      "the trace against the golden one that `bless` keeps, within the tolerances beside that";
   explicit GoldenCheck(Params) {}
   std::vector<std::string> Signals() const { return {}; }
   std::vector<score::Check> Run(CheckContext& context) const override;

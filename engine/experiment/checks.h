@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/status.h"
+#include "experiment/golden_place.h"
 #include "model/params.h"
 #include "model/plan.h"
 #include "score/series.h"
@@ -44,6 +45,7 @@ class CheckContext {
   const trace::Trace* trace = nullptr;  // the run as it will be written
   const Registry* registry = nullptr;   // for checks that build variants of the scenario
   const Records* records = nullptr;
+  GoldenPlace golden;  // what the golden check compares with
 
  private:
   const Plan& plan_;

@@ -191,15 +191,13 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
   return checks;
 }
 
-std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::Trace& run) {
-  const std::string file = (fs::path(GoldenFolder()) / (id + ".h5")).string();
-  const Result<trace::Trace> golden = trace::ReadTrace(file);
+std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const trace::Trace& run) {
+  const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
   if (!golden.ok()) {
-    return {Failed(
-        "golden", "tube",
-        fmt::format("{}; if this run is right: dynoproof bless {} --reason TEXT", golden.failure().ToString(), id))};
+    return {Failed("golden", "tube",
+                   fmt::format("{}; if this run is right: {}", golden.failure().ToString(), place.bless))};
   }
-  const Result<GoldenTolerances> tolerances = ReadTolerances((fs::path(GoldenFolder()) / (id + ".toml")).string());
+  const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
   if (!tolerances.ok()) return {Failed("golden", "tube", tolerances.failure().ToString())};
   std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
   for (score::Check& check : CompareTraces(*golden, run, tolerances->signals, "golden")) {
@@ -208,27 +206,27 @@ std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::
   return checks;
 }
 
-Result<std::string> KeepGolden(const std::string& id, bool fell_short, const std::string& trace_file,
+Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,
                                const std::string& kept) {
   std::error_code error;
-  fs::remove(kept, error);
-  const fs::path golden = fs::path(GoldenFolder()) / id;
-  const std::string file = golden.string() + ".h5";
-  if (!fell_short || !fs::exists(file, error)) return std::string();
-  const std::optional<std::string> bytes = ReadTextFile(file);
-  if (!bytes) return Failure{"cannot be read", file};
-  if (Status failed = WriteFileAtomically(kept, *bytes)) return *failed;
-  return fmt::format("this run: {0}, the golden one: {1}; dynoproof compare {1} {0} --tolerance {2}.toml", trace_file,
-                     kept, golden.string());
+  const bool itself = fs::equivalent(kept, place.trace, error);  // the traces go to the golden file's own folder
+  if (!itself) fs::remove(kept, error);
+  if (!fell_short || !fs::exists(place.trace, error)) return std::string();
+  if (!itself) {
+    const std::optional<std::string> bytes = ReadTextFile(place.trace);
+    if (!bytes) return Failure{"cannot be read", place.trace};
+    if (Status failed = WriteFileAtomically(kept, *bytes)) return *failed;
+  }
+  return fmt::format("this run: {0}, the golden one: {1}; dynoproof compare {1} {0} --tolerance {2}", trace_file, kept,
+                     place.tolerances);
 }
 
-Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason) {
-  const fs::path folder = GoldenFolder(), tolerance_file = folder / (id + ".toml");
-  const Result<GoldenTolerances> old = ReadTolerances(tolerance_file.string());
+Status WriteGolden(const GoldenPlace& place, const trace::Trace& run, const std::string& reason) {
+  const Result<GoldenTolerances> old = ReadTolerances(place.tolerances);
   // Somebody's tolerances and reasons stand in a faulty file: they are not to be replaced by defaults.
-  if (std::error_code error; !old.ok() && fs::exists(tolerance_file, error)) return old.failure();
+  if (std::error_code error; !old.ok() && fs::exists(place.tolerances, error)) return old.failure();
   trace::Trace thin = Thin(run);
-  if (Status failed = trace::WriteTrace(folder / (id + ".h5"), thin, {.deflate_level = 9})) return failed;
+  if (Status failed = trace::WriteTrace(place.trace, thin, {.deflate_level = 9})) return failed;
   Value root;
   root["reason"] = Value(reason);
   for (const char* key : {"version", "commit", "compiler", "cpu"}) {
@@ -248,11 +246,11 @@ Status WriteGolden(const std::string& id, const trace::Trace& run, const std::st
     if (of.time_half_width_s > 0.0) table["time_half_width_s"] = Value(of.time_half_width_s);
     table["origin"] = Value(of.origin);
   }
-  return WriteFileAtomically(folder / (id + ".toml"), ToToml(root));
+  return WriteFileAtomically(place.tolerances, ToToml(root));
 }
 
 std::vector<score::Check> GoldenCheck::Run(CheckContext& context) const {
-  return CompareWithGolden(context.plan().id, *context.trace);
+  return CompareWithGolden(context.golden, *context.trace);
 }
 
 }  // namespace dynoproof

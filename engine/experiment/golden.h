@@ -6,13 +6,14 @@
 #include <string>
 
 #include "base/status.h"
+#include "experiment/golden_place.h"
 #include "model/params.h"
 #include "score/verdict.h"
 #include "trace/trace.h"
 
 namespace dynoproof {
 
-/// golden/<id>.toml: tolerances and where they come from.
+/// The golden file <...>.toml: tolerances and where they come from.
 struct GoldenTolerances {
   struct OfSignal {
     double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
@@ -54,16 +55,17 @@ trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
 
 /// Compares a run with its golden files; one check per golden signal, one for signals that are new or gone. A missing
 /// or unreadable golden file is a failed check.
-std::vector<score::Check> CompareWithGolden(const std::string& id, const trace::Trace& run);
+std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const trace::Trace& run);
 
 /// Where a run fell short of its golden trace: copies that to `kept`, so that the two lie side by side wherever the
-/// output goes. Otherwise removes what an earlier run left there. Nothing to do for a golden trace that does not exist.
+/// output goes. Otherwise removes what an earlier run left there. Nothing to copy for a golden trace that does not
+/// exist, or that lies there itself.
 /// @return a note that names both and the command that compares them; empty when there is nothing to compare.
-Result<std::string> KeepGolden(const std::string& id, bool fell_short, const std::string& trace_file,
+Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,
                                const std::string& kept);
 
-/// Writes golden/<id>.{h5,toml} from a run. Tolerances that stand there already are kept.
-Status WriteGolden(const std::string& id, const trace::Trace& run, const std::string& reason);
+/// Writes the golden files from a run. Tolerances that stand there already are kept.
+Status WriteGolden(const GoldenPlace& place, const trace::Trace& run, const std::string& reason);
 
 /// Two traces signal by signal: missing, extra and short signals fail. `tolerance(name)` gives the tube.
 std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <set>
@@ -44,11 +43,10 @@ struct Golden {
     return found == tolerances.signals.end() ? GoldenTolerances::OfSignal{} : found->second;
   }
 };
-std::optional<Golden> ReadGolden(const Plan& plan) {
-  if (ChecksOf(plan, "golden").empty()) return std::nullopt;
-  const std::filesystem::path folder = GoldenFolder();
-  Result<trace::Trace> trace = trace::ReadTrace((folder / (plan.id + ".h5")).string());
-  Result<GoldenTolerances> tolerances = ReadTolerances((folder / (plan.id + ".toml")).string());
+std::optional<Golden> ReadGolden(const Prepared& prepared) {
+  if (ChecksOf(prepared.plan, "golden").empty()) return std::nullopt;
+  Result<trace::Trace> trace = trace::ReadTrace(prepared.golden.trace);
+  Result<GoldenTolerances> tolerances = ReadTolerances(prepared.golden.tolerances);
   if (!trace.ok() || !tolerances.ok()) return std::nullopt;
   return Golden{std::move(*trace), std::move(*tolerances)};
 }
@@ -224,7 +222,7 @@ class Comparisons {
 void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pictures) {
   const Rig& rig = *prepared.rig;
   const trace::Trace& trace = course.trace;
-  const std::optional<Golden> golden = ReadGolden(prepared.plan);
+  const std::optional<Golden> golden = ReadGolden(prepared);
   const auto curve = [&trace](const trace::Signal& signal, std::string label) {
     return Curve{std::move(label), ToVector(trace.TimeOf(signal)), signal.values, StyleOf(signal)};
   };
@@ -310,7 +308,7 @@ void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pic
 
 void AddComparisons(const Prepared& prepared, const Course& course, CheckContext& context, RunPictures& pictures) {
   Comparisons comparisons(course, *prepared.rig);
-  if (const std::optional<Golden> golden = ReadGolden(prepared.plan)) {
+  if (const std::optional<Golden> golden = ReadGolden(prepared)) {
     for (const trace::Signal& signal : golden->trace.signals) {
       // Hull curves follow from the signal they belong to.
       if (FindOutput(*prepared.rig, signal.name) >= 0) comparisons.AddGolden(*golden, signal);

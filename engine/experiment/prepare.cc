@@ -169,6 +169,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   prepared->record = ReadRecordSettings(plan, rig, diagnostics);
   // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
   if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);
+  prepared->golden = GoldenPlaceOf(plan, options.golden);
   prepared->plan = std::move(plan);
   if (diagnostics.error_count() != before) return nullptr;
   if (!has_record || prepared->record->file.empty()) return prepared;

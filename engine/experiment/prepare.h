@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiment/checks.h"
+#include "experiment/golden_place.h"
 #include "experiment/measured_record.h"
 #include "model/registry.h"
 #include "sim/rig.h"
@@ -24,6 +25,7 @@ struct Prepared {
   const Registry* registry = nullptr;
   std::optional<RecordSettings> record;
   std::shared_ptr<const MappedRecord> data;  // of [record] file: drives the inputs it has
+  GoldenPlace golden;                        // where its golden data lie
   std::string record_fault;                  // why there is no such record: the scenario fails
   /// [variant.NAME]: the scenario with some values changed; its outputs are recorded as OUTPUT_NAME.
   struct Variant {
@@ -38,6 +40,7 @@ struct PrepareOptions {
   std::vector<std::string> overrides;  // --set
   std::string solver;                  // --solver; empty: the scenario's own
   const MappedRecord* data = nullptr;  // --data: drives the inputs it has
+  std::string golden = {};             // --golden: folder of golden data; empty: where they stand
 };
 
 /// Null when there was any error.

@@ -181,6 +181,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   context.trace = &course->trace;
   context.registry = prepared.registry;
   context.records = prepared.records.get();
+  context.golden = prepared.golden;
   for (const auto& check : prepared.checks) {
     std::vector<score::Check> made = check->Run(context);
     if (made.empty()) {  // a check that says nothing is none: a fresh Check fails
@@ -208,7 +209,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
       return check.name.starts_with("golden") && check.verdict != score::Verdict::kPass;
     });
     const Result<std::string> note = KeepGolden(
-        result.id, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
+        prepared.golden, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
     if (!note.ok()) return broken(note.failure());
     if (!note->empty()) result.notes.push_back(*note);
   }

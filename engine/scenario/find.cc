@@ -17,16 +17,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Scenario files below a folder, sorted. Files that start with "_" are shared parts for `include`.
+/// Scenario files below a folder, sorted. Files that start with "_" are shared parts for `include`, those that end in
+/// ".golden.toml" say how a scenario is compared.
 std::vector<std::string> FilesBelow(const fs::path& folder) {
   std::vector<std::string> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
-    if (path.extension() == ".toml" && !path.stem().string().starts_with("_")) files.push_back(path.string());
+    if (path.extension() != ".toml" || path.stem().string().starts_with("_")) continue;
+    if (path.stem().extension() == ".golden") continue;  // tolerances, beside the scenario that they belong to
+    files.push_back(path.string());
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// The path of a file below the scenario folder; nothing when it lies elsewhere.
+std::optional<fs::path> BelowScenarioFolder(const std::string& file) {
+  std::error_code error;
+  const fs::path path = fs::weakly_canonical(file, error);
+  const fs::path folder = fs::weakly_canonical(ScenarioFolder(), error);
+  fs::path relative = path.lexically_relative(folder);
+  if (relative.empty() || *relative.begin() == "..") return std::nullopt;
+  return relative;
 }
 
 }  // namespace
@@ -45,14 +58,10 @@ std::string ScenarioFolder() {
 }
 
 std::string ScenarioId(const std::string& file) {
-  std::error_code error;
-  const fs::path path = fs::weakly_canonical(file, error);
-  const fs::path folder = fs::weakly_canonical(ScenarioFolder(), error);
-  const fs::path relative = path.lexically_relative(folder);
-  const bool below = !relative.empty() && *relative.begin() != "..";
-  fs::path id = below ? relative : path.filename();
-  return id.replace_extension().generic_string();
+  return BelowScenarioFolder(file).value_or(fs::path(file).filename()).replace_extension().generic_string();
 }
+
+bool IsOwnScenario(const std::string& file) { return !file.empty() && !BelowScenarioFolder(file); }
 
 std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& diagnostics) {
   std::error_code error;

@@ -33,4 +33,7 @@ std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& dia
 /// The id of a scenario file: its path below the scenario folder without ".toml"; elsewhere the file's stem.
 std::string ScenarioId(const std::string& file);
 
+/// Whether a scenario file belongs to the user: it lies outside the scenario folder. A plan without a file does not.
+bool IsOwnScenario(const std::string& file);
+
 }  // namespace dynoproof

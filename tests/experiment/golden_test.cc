@@ -77,7 +77,7 @@ TEST(CompareTraces, SaysWhyInOneLine) {
 }
 
 TEST(Golden, AMissingFileIsAFailedCheckWithTheWayOut) {
-  const std::vector<score::Check> checks = CompareWithGolden("no/such_scenario", Sine());
+  const std::vector<score::Check> checks = CompareWithGolden(GoldenPlaceOf({"no/such_scenario", "", {}}), Sine());
   ASSERT_EQ(checks.size(), 1u);
   EXPECT_EQ(checks[0].verdict, score::Verdict::kFail);
   EXPECT_THAT(checks[0].explanation, HasSubstr("dynoproof bless no/such_scenario"));
@@ -91,6 +91,7 @@ class GoldenFiles : public ::testing::Test {
     setenv("DYNOPROOF_SCENARIOS", (folder_ / "scenarios").c_str(), 1);
   }
   void TearDown() override { unsetenv("DYNOPROOF_SCENARIOS"); }
+  static GoldenPlace place() { return GoldenPlaceOf({"sine", "", {}}); }
   test::TempDir folder_;
 };
 
@@ -98,24 +99,24 @@ TEST_F(GoldenFiles, KnowTheRunsLengthAndCost) {
   trace::Trace run = Sine();
   run.provenance.Set("solver", "reference");
   run.provenance.SetCounter("solver_steps", 1000);
-  ASSERT_FALSE(WriteGolden("sine", run, "test"));
-  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass);
+  ASSERT_FALSE(WriteGolden(place(), run, "test"));
+  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass);
 
   trace::Trace shorter = Sine(19'999);  // a sample that the thinned golden trace does not hold
   shorter.provenance = run.provenance;
-  EXPECT_EQ(score::Combine(CompareWithGolden("sine", shorter)), score::Verdict::kFail);
+  EXPECT_EQ(score::Combine(CompareWithGolden(place(), shorter)), score::Verdict::kFail);
   run.provenance.SetCounter("solver_steps", 1090);
-  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass);
+  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass);
   run.provenance.SetCounter("solver_steps", 1110);
-  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kFail);
+  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kFail);
   run.provenance.Set("solver", "realtime");
-  EXPECT_EQ(score::Combine(CompareWithGolden("sine", run)), score::Verdict::kPass) << "other counters, nothing to say";
+  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass) << "other counters, nothing to say";
 }
 
 TEST_F(GoldenFiles, AFaultyToleranceFileIsNotOverwritten) {
   const std::string file =
       folder_.Write("golden/sine.toml", "[signal.T]\nrelative_width = 1e-3\norigin = \"mine\"\nwidht = 1\n");
-  EXPECT_TRUE(WriteGolden("sine", Sine(), "test"));
+  EXPECT_TRUE(WriteGolden(place(), Sine(), "test"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "golden/sine.h5"));
 }
 
