@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/extension.h"
+#include "experiment/build_info.h"
 #include "experiment/golden.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
@@ -37,7 +38,7 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
   ScenarioResult result;
   result.id = b;
   result.trace_file = b;
-  result.checks = CompareTraces(*left, *right, tolerances.signals, "tube");
+  result.checks = CompareTraces(*left, *right, tolerances.For(right->provenance.Text("solver").value_or("")), "tube");
   result.verdict = score::Combine(result.checks);
   const std::vector<ScenarioResult> results = {result};
   const bool colour = ColourOn(common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
@@ -64,6 +65,21 @@ std::string ShellQuoted(const std::string& text) {
   return quoted + "'";
 }
 
+/// Why a run of this program must not become golden in the repository of `tree`. Only its own repository knows the
+/// commit that a program was built from; there it has to be the present one, built from a clean tree: provenance that
+/// names another program than the one that ran would be false.
+std::string FaultOfStamp(const std::string& tree) {
+  const std::string stamp = build_info::Commit(), commit = stamp.substr(0, stamp.find('+'));
+  const std::string git = "git -C " + ShellQuoted(tree);
+  if (!OutputOf(git + " cat-file -e " + ShellQuoted(commit + "^{commit}") + " 2>/dev/null")) return "";
+  if (commit != stamp)
+    return fmt::format("this program was built from a changed tree ({}); commit, build again, then bless", stamp);
+  const std::string head = OutputOf(git + " rev-parse HEAD").value_or("");
+  if (head.starts_with(commit)) return "";
+  return fmt::format("this program was built from {}, the tree stands at {}; build again, then bless", commit,
+                     head.substr(0, commit.size()));
+}
+
 struct BlessArguments {
   Common common;
   std::string id, reason, golden;
@@ -84,7 +100,7 @@ Tree ProgramTree() {
       OutputOf("git -C " + ShellQuoted(tree) + " status --porcelain --untracked-files=no -- . ':!golden' 2>/dev/null");
   if (!changed) return {"cannot ask git whether the tree is clean", ""};
   if (!changed->empty()) return {"tracked files outside golden/ are changed; commit them first:\n" + *changed, ""};
-  return {};
+  return {FaultOfStamp(tree), ""};
 }
 
 /// Of a user's scenario: everything in the repository that holds it but golden files. Outside any repository there is
@@ -169,8 +185,18 @@ int Bless(const BlessArguments& arguments) {
     failing += fmt::format("  {}: {}\n", check.name, check.explanation);
   }
   if (!failing.empty()) return refuse("other checks of the scenario fail:\n" + failing);
+  PrepareOptions with_other;
+  with_other.solver = prepared->rig->run.solver == "reference" ? "realtime" : "reference";
+  const std::unique_ptr<Prepared> other = Prepare(files[0], with_other, *registry, diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  const Result<Course> others = Play(*other);
+  if (!others.ok()) {
+    Complain(others.failure().ToString() + "\n");
+    return kBroken;
+  }
   const std::string kept_reason = ReasonWith(reason, *evidence);
-  if (const Status failed = WriteGolden(prepared->golden, *trace, kept_reason)) {
+  const GoldenRun golden_run{*trace, others->trace, StatedChecks(prepared->plan), kept_reason};
+  if (const Status failed = WriteGolden(prepared->golden, golden_run)) {
     Complain(failed->ToString() + "\n");
     return failed->exit_code == 2 ? kUsage : kBroken;
   }

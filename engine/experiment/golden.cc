@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "experiment/check_kinds.h"
+#include "experiment/measured_record.h"
 #include "experiment/why.h"
 #include "scenario/load.h"
 #include "score/tube.h"
@@ -91,7 +92,99 @@ std::vector<score::Check> CompareLengthAndCost(const GoldenTolerances::OfRun& go
   return checks;
 }
 
+/// Every check that was stated when the run was blessed still is: one that was deleted would pass in silence.
+std::vector<score::Check> CompareChecks(const std::vector<std::string>& blessed, const Plan& plan) {
+  if (blessed.empty()) return {};
+  const std::vector<std::string> stated = StatedChecks(plan);
+  std::vector<std::string> gone;
+  std::set_difference(blessed.begin(), blessed.end(), stated.begin(), stated.end(), std::back_inserter(gone));
+  return {score::AtMost("golden checks", "tube", static_cast<double>(gone.size()), 0.0, "1",
+                        fmt::format("the {} checks that the scenario stated when it was blessed", blessed.size()),
+                        gone.empty() ? ""
+                                     : fmt::format("no longer stated: {}; state them again, or bless the scenario "
+                                                   "without them",
+                                                   fmt::join(gone, ", ")))};
+}
+
+/// Largest distance of two signals over the nominal; NaN where they have other time stamps or are not finite.
+double LargestDistance(const trace::Trace& a, const trace::Signal& of_a, const trace::Trace& b) {
+  const trace::Signal* of_b = b.Find(of_a.name);
+  const auto differs = [&] {
+    return of_b == nullptr || of_b->values.size() != of_a.values.size() ||
+           !std::ranges::equal(a.TimeOf(of_a), b.TimeOf(*of_b));
+  };
+  if (differs()) return std::numeric_limits<double>::quiet_NaN();
+  double most = 0.0;
+  for (std::size_t i = 0; i < of_a.values.size(); ++i) {
+    const double distance = std::abs(of_a.values[i] - of_b->values[i]) / of_a.nominal;
+    if (!(distance <= most)) most = distance;  // a NaN stays
+    if (std::isnan(most)) break;
+  }
+  return most;
+}
+
+/// Rounded up to two digits.
+double RoundedUp(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::ceil(value / unit * (1.0 - 1e-12)) * unit;
+}
+
+/// How far a run of the other solver may be: the adaptive steps of another machine are not those of this one.
+void AllowOtherSolver(double distance, const std::string& own, const std::string& other,
+                      GoldenTolerances::OfSignal& tolerance) {
+  constexpr double kRoom = 3.0;
+  tolerance.other_solver_width = 0.0;
+  if (!std::isfinite(distance)) {
+    tolerance.other_solver_origin = fmt::format("`{}` and `{}` could not be compared when blessed", other, own);
+    return;
+  }
+  const double wide = kRoom * distance;
+  tolerance.other_solver_width = wide > tolerance.relative_width ? RoundedUp(wide) : tolerance.relative_width;
+  tolerance.other_solver_origin =
+      wide > tolerance.relative_width
+          ? fmt::format("`{}` was {:.2g} of the nominal from `{}` when blessed, times {:g} for other steps elsewhere",
+                        other, distance, own, kRoom)
+          : fmt::format("`{}` was {:.2g} of the nominal from `{}` when blessed: no more room than for the same solver",
+                        other, distance, own);
+}
+
 }  // namespace
+
+std::map<std::string, GoldenTolerances::OfSignal> GoldenTolerances::For(const std::string& solver) const {
+  std::map<std::string, OfSignal> widths = signals;
+  if (run.solver.empty() || solver == run.solver) return widths;
+  for (auto& [name, of] : widths) {
+    of.relative_width = of.other_solver_width;
+    of.origin = of.other_solver_origin;
+  }
+  return widths;
+}
+
+std::vector<std::string> StatedChecks(const Plan& plan) {
+  std::vector<std::string> stated;
+  const Value* checks = plan.root.Find("check");
+  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+    std::string text;
+    for (const char* key : {"kind", "signal", "shaft", "speed"}) {
+      const Value* word = check.Find(key);
+      if (word != nullptr && word->is_string()) text += (text.empty() ? "" : " ") + word->string();
+    }
+    stated.push_back(text);
+  }
+  std::sort(stated.begin(), stated.end());
+  return stated;
+}
+
+std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan) {
+  const std::vector<std::string> stated = StatedChecks(plan);
+  if (std::error_code error;
+      std::find(stated.begin(), stated.end(), GoldenCheck::kName) != stated.end() || !fs::exists(place.trace, error))
+    return std::nullopt;
+  return Failed("golden", "tube",
+                fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "
+                            "the check, or delete the data",
+                            place.trace));
+}
 
 std::string GoldenFolder() { return (fs::path(ScenarioFolder()).parent_path() / "golden").lexically_normal().string(); }
 
@@ -100,8 +193,17 @@ Result<GoldenTolerances> ReadTolerances(const std::string& file) {
   const std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
   if (!plan) return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
   GoldenTolerances tolerances;
-  if (const Value* reason = plan->root.Find("reason"); reason != nullptr && reason->is_string())
-    tolerances.reason = reason->string();
+  const auto text = [&plan](const char* key) {
+    const Value* value = plan->root.Find(key);
+    return value != nullptr && value->is_string() ? value->string() : std::string();
+  };
+  tolerances.reason = text("reason");
+  tolerances.trace_sha256 = text("trace_sha256");
+  const Value* checks = plan->root.Find("checks");
+  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+    if (check.is_string()) tolerances.checks.push_back(check.string());
+  }
+  std::sort(tolerances.checks.begin(), tolerances.checks.end());
   if (const Value* run = plan->root.Find("run"); run != nullptr) {
     if (!ReadParams(*run, tolerances.run, diagnostics, "run"))
       return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
@@ -191,7 +293,7 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
   return checks;
 }
 
-std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const trace::Trace& run) {
+std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run) {
   const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
   if (!golden.ok()) {
     return {Failed("golden", "tube",
@@ -199,10 +301,28 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const trac
   }
   const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
   if (!tolerances.ok()) return {Failed("golden", "tube", tolerances.failure().ToString())};
-  std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
-  for (score::Check& check : CompareTraces(*golden, run, tolerances->signals, "golden")) {
-    checks.push_back(std::move(check));
+  if (!tolerances->trace_sha256.empty() && tolerances->trace_sha256 != HashOf(place.trace)) {
+    return {
+        Failed("golden", "tube",
+               fmt::format("{} is not the trace that its tolerance file was written for (SHA-256 differs): take both "
+                           "from one commit, or bless the scenario anew: {}",
+                           place.trace, place.bless))};
   }
+  const std::string solver = run.provenance.Text("solver").value_or("");
+  const std::map<std::string, GoldenTolerances::OfSignal> widths = tolerances->For(solver);
+  std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
+  for (score::Check& check : CompareChecks(tolerances->checks, plan)) checks.push_back(std::move(check));
+  for (const trace::Signal& signal : golden->signals) {
+    const auto of = widths.find(signal.name);
+    if (of == widths.end() || of->second.relative_width > 0.0) continue;
+    checks.push_back(Failed("golden " + signal.name, "tube",
+                            fmt::format("the golden run is of `{}`, and how far `{}` may be from it is not known{}{}; "
+                                        "bless the scenario anew: {}",
+                                        tolerances->run.solver, solver, of->second.origin.empty() ? "" : ": ",
+                                        of->second.origin, place.bless)));
+    return checks;
+  }
+  for (score::Check& check : CompareTraces(*golden, run, widths, "golden")) checks.push_back(std::move(check));
   return checks;
 }
 
@@ -221,14 +341,19 @@ Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const 
                      place.tolerances);
 }
 
-Status WriteGolden(const GoldenPlace& place, const trace::Trace& run, const std::string& reason) {
+Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
+  const trace::Trace& run = golden.own;
   const Result<GoldenTolerances> old = ReadTolerances(place.tolerances);
   // Somebody's tolerances and reasons stand in a faulty file: they are not to be replaced by defaults.
   if (std::error_code error; !old.ok() && fs::exists(place.tolerances, error)) return old.failure();
   trace::Trace thin = Thin(run);
   if (Status failed = trace::WriteTrace(place.trace, thin, {.deflate_level = 9})) return failed;
   Value root;
-  root["reason"] = Value(reason);
+  root["reason"] = Value(golden.reason);
+  root["trace_sha256"] = Value(HashOf(place.trace));
+  Value::Array checks;
+  for (const std::string& check : golden.checks) checks.push_back(Value(check));
+  root["checks"] = Value(checks);
   for (const char* key : {"version", "commit", "compiler", "cpu"}) {
     root["provenance"][key] = Value(run.provenance.Text(key).value_or("unknown"));
   }
@@ -240,17 +365,22 @@ Status WriteGolden(const GoldenPlace& place, const trace::Trace& run, const std:
   }
   for (const trace::Signal& signal : thin.signals) {
     const bool kept = old.ok() && old->signals.contains(signal.name);
-    const GoldenTolerances::OfSignal of = kept ? old->signals.at(signal.name) : GoldenTolerances::OfSignal{};
+    GoldenTolerances::OfSignal of = kept ? old->signals.at(signal.name) : GoldenTolerances::OfSignal{};
+    AllowOtherSolver(LargestDistance(run, *run.Find(signal.name), golden.other),
+                     run.provenance.Text("solver").value_or(""), golden.other.provenance.Text("solver").value_or(""),
+                     of);
     Value& table = root["signal"][signal.name];
     table["relative_width"] = Value(of.relative_width);
     if (of.time_half_width_s > 0.0) table["time_half_width_s"] = Value(of.time_half_width_s);
     table["origin"] = Value(of.origin);
+    table["other_solver_width"] = Value(of.other_solver_width);
+    table["other_solver_origin"] = Value(of.other_solver_origin);
   }
   return WriteFileAtomically(place.tolerances, ToToml(root));
 }
 
 std::vector<score::Check> GoldenCheck::Run(CheckContext& context) const {
-  return CompareWithGolden(context.golden, *context.trace);
+  return CompareWithGolden(context.golden, context.plan(), *context.trace);
 }
 
 }  // namespace dynoproof

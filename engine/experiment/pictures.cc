@@ -36,11 +36,11 @@ std::vector<const Value*> ChecksOf(const Plan& plan, std::string_view kind) {
 /// The golden trace and its tolerances, where the scenario is compared with one.
 struct Golden {
   trace::Trace trace;
-  GoldenTolerances tolerances;
+  std::map<std::string, GoldenTolerances::OfSignal> tolerances;
 
   GoldenTolerances::OfSignal Of(const std::string& signal) const {
-    const auto found = tolerances.signals.find(signal);
-    return found == tolerances.signals.end() ? GoldenTolerances::OfSignal{} : found->second;
+    const auto found = tolerances.find(signal);
+    return found == tolerances.end() ? GoldenTolerances::OfSignal{} : found->second;
   }
 };
 std::optional<Golden> ReadGolden(const Prepared& prepared) {
@@ -48,7 +48,7 @@ std::optional<Golden> ReadGolden(const Prepared& prepared) {
   Result<trace::Trace> trace = trace::ReadTrace(prepared.golden.trace);
   Result<GoldenTolerances> tolerances = ReadTolerances(prepared.golden.tolerances);
   if (!trace.ok() || !tolerances.ok()) return std::nullopt;
-  return Golden{std::move(*trace), std::move(*tolerances)};
+  return Golden{std::move(*trace), tolerances->For(prepared.rig->run.solver)};
 }
 
 std::vector<double> ToVector(std::span<const double> values) { return {values.begin(), values.end()}; }

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "tests/support/temp_dir.h"
+#include "trace/trace_io.h"
 
 namespace dynoproof {
 namespace {
@@ -77,7 +78,7 @@ TEST(CompareTraces, SaysWhyInOneLine) {
 }
 
 TEST(Golden, AMissingFileIsAFailedCheckWithTheWayOut) {
-  const std::vector<score::Check> checks = CompareWithGolden(GoldenPlaceOf({"no/such_scenario", "", {}}), Sine());
+  const std::vector<score::Check> checks = CompareWithGolden(GoldenPlaceOf({"no/such_scenario", "", {}}), {}, Sine());
   ASSERT_EQ(checks.size(), 1u);
   EXPECT_EQ(checks[0].verdict, score::Verdict::kFail);
   EXPECT_THAT(checks[0].explanation, HasSubstr("dynoproof bless no/such_scenario"));
@@ -92,31 +93,98 @@ class GoldenFiles : public ::testing::Test {
   }
   void TearDown() override { unsetenv("DYNOPROOF_SCENARIOS"); }
   static GoldenPlace place() { return GoldenPlaceOf({"sine", "", {}}); }
+  /// Sine() by this solver, off by `shift` of the nominal.
+  static trace::Trace By(const char* solver, double shift) {
+    trace::Trace trace = Sine();
+    trace.provenance.Set("solver", solver);
+    for (double& value : trace.signals[0].values) value += shift * trace.signals[0].nominal;
+    return trace;
+  }
+  static Plan PlanWith(const std::vector<std::pair<const char*, const char*>>& checks) {
+    Plan plan;
+    Value::Array tables;
+    for (const auto& [kind, signal] : checks) tables.push_back(Value{{"kind", kind}, {"signal", signal}});
+    plan.root["check"] = Value(tables);
+    return plan;
+  }
+  static score::Verdict VerdictOf(const trace::Trace& run, const Plan& plan = {}, std::string* why = nullptr) {
+    const std::vector<score::Check> checks = CompareWithGolden(place(), plan, run);
+    if (why != nullptr) {
+      for (const score::Check& check : checks) *why += check.explanation;
+    }
+    return score::Combine(checks);
+  }
   test::TempDir folder_;
 };
 
 TEST_F(GoldenFiles, KnowTheRunsLengthAndCost) {
-  trace::Trace run = Sine();
-  run.provenance.Set("solver", "reference");
+  trace::Trace run = By("reference", 0.0);
   run.provenance.SetCounter("solver_steps", 1000);
-  ASSERT_FALSE(WriteGolden(place(), run, "test"));
-  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass);
+  ASSERT_FALSE(WriteGolden(place(), {run, By("realtime", 1e-9), {}, "test"}));
+  EXPECT_EQ(VerdictOf(run), score::Verdict::kPass);
 
   trace::Trace shorter = Sine(19'999);  // a sample that the thinned golden trace does not hold
   shorter.provenance = run.provenance;
-  EXPECT_EQ(score::Combine(CompareWithGolden(place(), shorter)), score::Verdict::kFail);
+  EXPECT_EQ(VerdictOf(shorter), score::Verdict::kFail);
   run.provenance.SetCounter("solver_steps", 1090);
-  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass);
+  EXPECT_EQ(VerdictOf(run), score::Verdict::kPass);
   run.provenance.SetCounter("solver_steps", 1110);
-  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kFail);
+  EXPECT_EQ(VerdictOf(run), score::Verdict::kFail);
   run.provenance.Set("solver", "realtime");
-  EXPECT_EQ(score::Combine(CompareWithGolden(place(), run)), score::Verdict::kPass) << "other counters, nothing to say";
+  EXPECT_EQ(VerdictOf(run), score::Verdict::kPass) << "other counters, nothing to say";
+}
+
+TEST_F(GoldenFiles, GiveTheOtherSolverTheRoomThatTheTwoWereApart) {
+  ASSERT_FALSE(WriteGolden(place(), {By("realtime", 0.0), By("reference", 2e-6), {}, "test"}));
+  const GoldenTolerances::OfSignal T = ReadTolerances((folder_ / "golden/sine.toml").string())->signals.at("T");
+  EXPECT_NEAR(T.other_solver_width, 6e-6, 1e-9);
+  EXPECT_THAT(T.other_solver_origin, HasSubstr("`reference` was 2e-06 of the nominal from `realtime`"));
+  EXPECT_EQ(VerdictOf(By("reference", 5e-6)), score::Verdict::kPass);
+  EXPECT_EQ(VerdictOf(By("reference", 7e-6)), score::Verdict::kFail);
+  EXPECT_EQ(VerdictOf(By("realtime", 5e-6)), score::Verdict::kFail) << "the same solver has no such room";
+}
+
+TEST_F(GoldenFiles, SayWhereTheOtherSolversDistanceIsNotKnown) {
+  trace::Trace broken = By("reference", 0.0);
+  broken.signals[0].values[7] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_FALSE(WriteGolden(place(), {By("realtime", 0.0), broken, {}, "test"}));
+  std::string why;
+  EXPECT_EQ(VerdictOf(By("reference", 0.0), PlanWith({}), &why), score::Verdict::kFail);
+  EXPECT_THAT(why, HasSubstr("how far `reference` may be from it is not known"));
+  EXPECT_EQ(VerdictOf(By("realtime", 0.0)), score::Verdict::kPass);
+}
+
+TEST_F(GoldenFiles, NoticeADeletedCheck) {
+  const Plan blessed = PlanWith({{"solvers", "T"}, {"solvers", "w"}, {"golden", ""}});
+  const trace::Trace run = By("realtime", 0.0);
+  ASSERT_FALSE(WriteGolden(place(), {run, By("reference", 0.0), StatedChecks(blessed), "test"}));
+  EXPECT_EQ(VerdictOf(run, blessed), score::Verdict::kPass);
+  std::string why;
+  EXPECT_EQ(VerdictOf(run, PlanWith({{"solvers", "T"}, {"golden", ""}}), &why), score::Verdict::kFail);
+  EXPECT_THAT(why, HasSubstr("no longer stated: solvers w"));
+  EXPECT_EQ(VerdictOf(run, PlanWith({{"solvers", "T"}, {"solvers", "w"}, {"golden", ""}, {"bounded", "T"}})),
+            score::Verdict::kPass)
+      << "one more is no fault";
+  // And the golden check itself.
+  EXPECT_FALSE(GoldenNotStated(place(), blessed));
+  const std::optional<score::Check> gone = GoldenNotStated(place(), PlanWith({{"solvers", "T"}}));
+  ASSERT_TRUE(gone);
+  EXPECT_EQ(gone->verdict, score::Verdict::kFail);
+  EXPECT_FALSE(GoldenNotStated(GoldenPlaceOf({"never_blessed", "", {}}), PlanWith({{"solvers", "T"}})));
+}
+
+TEST_F(GoldenFiles, BelongTogether) {
+  ASSERT_FALSE(WriteGolden(place(), {By("realtime", 0.0), By("reference", 0.0), {}, "test"}));
+  ASSERT_FALSE(trace::WriteTrace(folder_ / "golden/sine.h5", By("realtime", 1e-3)));
+  std::string why;
+  EXPECT_EQ(VerdictOf(By("realtime", 1e-3), PlanWith({}), &why), score::Verdict::kFail);
+  EXPECT_THAT(why, HasSubstr("SHA-256 differs"));
 }
 
 TEST_F(GoldenFiles, AFaultyToleranceFileIsNotOverwritten) {
   const std::string file =
       folder_.Write("golden/sine.toml", "[signal.T]\nrelative_width = 1e-3\norigin = \"mine\"\nwidht = 1\n");
-  EXPECT_TRUE(WriteGolden(place(), Sine(), "test"));
+  EXPECT_TRUE(WriteGolden(place(), {Sine(), Sine(), {}, "test"}));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "golden/sine.h5"));
 }
 
