@@ -167,7 +167,8 @@ std::vector<std::string> StatedChecks(const Plan& plan) {
     std::string text;
     for (const char* key : {"kind", "signal", "shaft", "speed"}) {
       const Value* word = check.Find(key);
-      if (word != nullptr && word->is_string()) text += (text.empty() ? "" : " ") + word->string();
+      if (word != nullptr && word->is_string() && !word->string().empty())
+        text += (text.empty() ? "" : " ") + word->string();
     }
     stated.push_back(text);
   }
