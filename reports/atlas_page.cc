@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <map>
 
 #include "experiment/run_scenario.h"
@@ -29,29 +31,51 @@ std::string TitleOf(const std::string& chapter) {
   return (appendix ? "Appendix " : "Chapter ") + chapter + (found == titles.end() ? "" : ": " + found->second);
 }
 
-std::string Number(double value) { return fmt::format("{:.6g}", value); }
+std::string Number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
+
+/// Origin of the tolerance and what is assumed, each as a note.
+std::string Notes(const Claim& claim) {
+  std::string notes;
+  if (!claim.origin.empty()) notes += fmt::format("<div class=\"note\">allowed: {}</div>", Escape(claim.origin));
+  if (!claim.assumed.empty()) notes += fmt::format("<div class=\"note\">assumed: {}</div>", Escape(claim.assumed));
+  return notes;
+}
 
 std::string ClaimRow(const ClaimResult& result) {
   const Claim& claim = result.claim;
-  const bool checkable = claim.expect != "not_checkable";
-  const std::string verdict = result.fault.empty() ? ToString(result.standing) : "fault";
-  std::string says = verdict == "not_checkable" ? "not checkable" : verdict;
+  const double ours = result.ours ? result.ours->value : Claim::kNone, deviation = ours - claim.Reference();
+  const std::string standing = result.fault.empty() ? ToString(result.standing) : "fault";
+  std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
   if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
-  const std::string unit = claim.unit == "1" ? "" : claim.unit;
-  const std::string tolerance =
-      checkable ? fmt::format("within {:.3g}: {}", claim.tolerance, claim.origin) : std::string();
+  const std::string allowed = AllowedText(claim);
   return Row(
       std::vector<Cell>{{Escape(claim.id), "key"},
                         {Escape(claim.place)},
                         {Escape(claim.claim), "wide"},
-                        {checkable ? Number(claim.published) : "–", "number"},
-                        {result.ours ? Number(result.ours->value) : "–", "number"},
-                        {result.ours ? fmt::format("{:+.3g}", result.ours->value - claim.published) : "–", "number"},
-                        {Escape(unit)},
-                        {fmt::format("<span class=\"verdict {}\">{}</span>", verdict, Escape(says))},
-                        {Escape(result.fault.empty() ? claim.explanation : result.fault) +
-                             (tolerance.empty() ? "" : fmt::format("<div class=\"note\">{}</div>", Escape(tolerance))),
-                         "wide"}});
+                        {Number(claim.thesis), "number"},
+                        {Number(claim.independent), "number"},
+                        {Number(ours), "number"},
+                        {allowed.empty() ? "–" : Escape(allowed), "number"},
+                        {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
+                        {Escape(claim.unit == "1" ? "" : claim.unit)},
+                        {fmt::format("<span class=\"verdict {}\">{}</span>", standing, Escape(says))},
+                        {Escape(result.fault.empty() ? claim.explanation : result.fault) + Notes(claim), "wide"}});
+}
+
+/// What the thesis says of it and what comes out here, in one line.
+std::string InBrief(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  std::string against;
+  if (claim.HasThesis()) against += fmt::format("the thesis says {}, ", Number(claim.thesis));
+  if (claim.HasIndependent()) against += fmt::format("another method {}, ", Number(claim.independent));
+  return fmt::format("<li>{}: {}ours {}{}, {}</li>\n", Escape(claim.claim), against, Number(result.ours->value),
+                     claim.unit == "1" ? "" : " " + Escape(claim.unit), InWords(result.standing));
+}
+
+std::vector<Cell> StandingHeads() {
+  std::vector<Cell> heads = {{"part"}};
+  for (int i = 0; i < kStandings; ++i) heads.push_back({InWords(static_cast<Standing>(i)), "number"});
+  return heads;
 }
 
 std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>& claims, std::size_t share) {
@@ -62,15 +86,11 @@ std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>&
   for (const std::string& id : figure.scenarios) scenarios += (scenarios.empty() ? "" : ", ") + id;
   html += fmt::format("<p class=\"source\">ours: {}{}{}</p>\n", Escape(scenarios),
                       figure.missing.empty() ? "" : "; not to be compared: ", Escape(figure.missing));
-  std::string published;
+  std::string claimed;
   for (const ClaimResult& result : claims) {
-    const Claim& claim = result.claim;
-    if (!Names(claim.place, figure.number) || !result.ours) continue;
-    published += fmt::format("<li>{}: published {}, ours {}{}, {}</li>\n", Escape(claim.claim), Number(claim.published),
-                             Number(result.ours->value), claim.unit == "1" ? "" : " " + Escape(claim.unit),
-                             ToString(result.standing));
+    if (Names(result.claim.place, figure.number) && result.ours) claimed += InBrief(result);
   }
-  if (!published.empty()) html += "<ul>\n" + published + "</ul>\n";
+  if (!claimed.empty()) html += "<ul>\n" + claimed + "</ul>\n";
   if (!drawn.fault.empty()) html += fmt::format("<p class=\"fault\">{}</p>\n", Escape(drawn.fault));
   std::vector<Picture> pictures;
   for (const Picture& picture : drawn.pictures) {
@@ -91,14 +111,14 @@ std::string ChapterOf(const Claim& claim) {
 std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures) {
   struct Chapter {
     std::string rows, figures;
-    int counts[3] = {};
+    std::array<int, kStandings> counts = {};
   };
   std::map<std::string, Chapter> chapters;
   int unexpected = 0;
   for (const ClaimResult& result : claims) {
     Chapter& chapter = chapters[ChapterOf(result.claim)];
     chapter.rows += ClaimRow(result);
-    ++chapter.counts[static_cast<int>(result.standing)];
+    if (result.fault.empty()) ++chapter.counts[static_cast<std::size_t>(result.standing)];
     unexpected += result.as_expected ? 0 : 1;
   }
   const std::size_t share = kSamples / std::max<std::size_t>(1, figures.size());
@@ -109,21 +129,25 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
   std::string contents, parts;
   for (const auto& [name, chapter] : chapters) {
     const std::string title = TitleOf(name), id = Anchor("chapter-" + name);
-    contents += Row(std::vector<Cell>{{fmt::format("<a href=\"#{}\">{}</a>", id, Escape(title))},
-                                      {fmt::format("{}", chapter.counts[0]), "number reproduced"},
-                                      {fmt::format("{}", chapter.counts[1]), "number contradicted"},
-                                      {fmt::format("{}", chapter.counts[2]), "number not_checkable"}});
+    std::vector<Cell> row = {{fmt::format("<a href=\"#{}\">{}</a>", id, Escape(title))}};
+    for (int i = 0; i < kStandings; ++i) {
+      row.push_back({fmt::format("{}", chapter.counts[static_cast<std::size_t>(i)]),
+                     fmt::format("number {}", ToString(static_cast<Standing>(i)))});
+    }
+    contents += Row(row);
     parts += fmt::format("<details class=\"part\" id=\"{}\" open><summary><h2>{}</h2></summary>\n", id, Escape(title));
     if (!chapter.rows.empty()) {
       parts += Table(std::vector<Cell>{{"claim"},
                                        {"place"},
                                        {"what it says"},
-                                       {"published", "number"},
+                                       {"thesis says", "number"},
+                                       {"independent", "number"},
                                        {"ours", "number"},
+                                       {"allowed", "number"},
                                        {"deviation", "number"},
                                        {"unit"},
-                                       {"verdict"},
-                                       {"explanation and tolerance"}},
+                                       {"standing"},
+                                       {"explanation, tolerance, assumptions"}},
                      chapter.rows);
     }
     parts += chapter.figures + "</details>\n";
@@ -135,11 +159,7 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
                   build.Text("compiler").value_or("")),
       fmt::format("<section id=\"overview\"><h2>{} claims, {} otherwise than the ledger expects, {} figures</h2>\n",
                   claims.size(), unexpected, figures.size()) +
-          Table(
-              std::vector<Cell>{
-                  {"part"}, {"reproduced", "number"}, {"contradicted", "number"}, {"not checkable", "number"}},
-              contents) +
-          "</section>\n" + parts);
+          Table(StandingHeads(), contents) + "</section>\n" + parts);
 }
 
 }  // namespace dynoproof::reports

@@ -9,9 +9,9 @@
 #include <limits>
 #include <numbers>
 
-#include "experiment/check_kinds.h"
 #include "experiment/coupling.h"
 #include "experiment/prepare.h"
+#include "experiment/studies_runs.h"
 #include "scenario/load.h"
 #include "score/nrmse.h"
 #include "sim/solver.h"
@@ -163,31 +163,6 @@ Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& param
   return Figure{2.0 * *beta / *kappa_w, "rad"};
 }
 
-Result<Figure> CouplingPeak(const Registry& registry, const Value& parameters) {
-  const auto figure = [&](const std::string& id) -> Result<Figure> {
-    const auto prepared = Load(registry, id);
-    if (!prepared.ok()) return prepared.failure();
-    const Result<Samples> samples = Run(*(*prepared)->rig);
-    if (!samples.ok()) return samples.failure();
-    CheckContext context((*prepared)->plan, *(*prepared)->rig, *samples, (*prepared)->rig->run.solver);
-    for (const Value& table : (*prepared)->plan.root.Find("check")->array()) {
-      if (Text(table, "kind") != "peak") continue;
-      PeakCheck::Params params;
-      Diagnostics diagnostics;
-      if (!ReadParams(table, params, diagnostics, "check.peak", {"kind"})) return Wrong(diagnostics.Format());
-      PeakCheck(params).Run(context);
-    }
-    const auto found = context.figures.find(Text(parameters, "figure"));
-    if (found == context.figures.end()) return Wrong(fmt::format("{} has no figure of that name", id));
-    return found->second;
-  };
-  const Result<Figure> own = figure(Text(parameters, "scenario"));
-  if (!own.ok() || Text(parameters, "over").empty()) return own;
-  const Result<Figure> over = figure(Text(parameters, "over"));
-  if (!over.ok()) return over;
-  return Figure{own->value / over->value, "1"};
-}
-
 Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& parameters) {
   const auto prepared = Load(registry, Text(parameters, "scenario"));
   if (!prepared.ok()) return prepared.failure();
@@ -223,11 +198,15 @@ Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& paramet
   A.row(4) << 0.0, -k_P, 0.0, 0.0, -1.0, 1.0;
   A.row(4) /= tau->number();
   A(5, 1) = -k_I;
-  double slowest = std::numeric_limits<double>::infinity();
+  std::complex<double> slowest = std::numeric_limits<double>::infinity();
   for (const std::complex<double>& s : A.eigenvalues()) {
-    if (s.imag() > 0.0) slowest = std::min(slowest, std::abs(s));
+    if (s.imag() > 0.0 && std::abs(s) < std::abs(slowest)) slowest = s;
   }
-  return Figure{slowest / (2.0 * std::numbers::pi), "Hz"};
+  const double loop_Hz = std::abs(slowest) / (2.0 * std::numbers::pi);
+  if (Text(parameters, "figure").empty()) return Figure{loop_Hz, "Hz"};
+  const Result<Figure> peak = ScenarioFigure(registry, parameters);
+  if (!peak.ok()) return peak;
+  return Figure{std::abs(peak->value - loop_Hz) / (-slowest.real() / (2.0 * std::numbers::pi)), "1"};
 }
 
 Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters) {

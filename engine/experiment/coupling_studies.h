@@ -19,10 +19,9 @@ Result<Figure> CouplingLever(const Registry& registry, const Value& parameters);
 Result<Figure> CouplingReynolds(const Registry& registry, const Value& parameters);
 /// The angle 2 beta / kappa_w that a chamber spans by (4.18), for the printed kappa_w of `scenario` and `bulk_modulus`.
 Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& parameters);
-/// The dominant oscillation of T: runs `scenario`; `figure` of its checks, over that of `over` when given.
-Result<Figure> CouplingPeak(const Registry& registry, const Value& parameters);
 /// Frequency of the slowest oscillation of `scenario` with its speed control: dynamometer and engine each one inertia,
-/// the control taken as continuous; eigenvalues of six equations written down by hand.
+/// the control taken as continuous; eigenvalues of six equations written down by hand. With `figure`, a frequency that
+/// the checks of `kind` find out: how far the run's peak is from it, in half power half widths of that oscillation.
 Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& parameters);
 /// Runs `scenario`, then with its coupling replaced by `first` and by `second` (tables of law and parameters): NRMSE of
 /// `signal` with the first over that with the second, during `during_s`.

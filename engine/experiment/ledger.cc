@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -9,16 +11,119 @@
 #include "scenario/load.h"
 
 namespace dynoproof {
+namespace {
 
-const char* ToString(Standing standing) {
-  switch (standing) {
-    case Standing::kReproduced:
-      return "reproduced";
-    case Standing::kContradicted:
-      return "contradicted";
-    default:
-      return "not_checkable";
+constexpr std::array<const char*, kStandings> kNames = {"reproduced",   "reproduced_assumed", "derived",
+                                                        "contradicted", "misprint",           "not_checkable"};
+
+/// The rules of one standing. Every fault stands where the claim does, and says what to write instead.
+class Rules {
+ public:
+  Rules(const Claim& claim, Diagnostics& diagnostics) : claim_(claim), diagnostics_(diagnostics) {}
+
+  void Check() {
+    if (claim_.expect == "not_checkable") return CheckNotCheckable();
+    CheckStudy();
+    const bool limits = claim_.HasLimits(), allowed = std::isfinite(claim_.allowed);
+    if (limits == allowed) Fault("needs either allowed or limits (at_least, at_most)", "");
+    if (claim_.origin.empty()) Fault("does not say why this tolerance", "add origin = \"...\"");
+    if (!claim_.HasThesis() && !claim_.HasIndependent() && !limits) {
+      Fault("has nothing to compare with", "add thesis = (what is printed) or independent = (another method)");
+    }
+    const bool beside = claim_.HasIndependent() && (claim_.HasThesis() || limits);
+    if (beside != std::isfinite(claim_.independent_within)) {
+      Fault(beside ? "does not say how close to the independent value ours must be"
+                   : "has independent_within without an independent value beside something of the thesis",
+            beside ? "add independent_within" : "leave independent_within out");
+    }
+    CheckStanding(limits);
+    if ((claim_.expect == "contradicted" || claim_.expect == "misprint") && claim_.explanation.empty()) {
+      Fault("has no explanation", "add explanation = \"...\"");
+    }
   }
+
+ private:
+  void Fault(const std::string& what, const std::string& hint) {
+    diagnostics_.Error(claim_.where, fmt::format("claim \"{}\" ({}) {}", claim_.id, claim_.expect, what), hint);
+  }
+
+  void CheckNotCheckable() {
+    if (claim_.explanation.empty()) Fault("has no explanation", "add explanation = \"...\"");
+    if (!claim_.compute.table().empty() || claim_.HasIndependent() || claim_.HasLimits() ||
+        std::isfinite(claim_.allowed)) {
+      Fault("computes or compares something", "leave out compute, independent, allowed, or give it another standing");
+    }
+  }
+
+  void CheckStudy() {
+    const Value* study = claim_.compute.Find("study");
+    if (study != nullptr && study->is_string() && Studies().contains(study->string())) return;
+    std::vector<std::string> known;
+    for (const auto& [name, function] : Studies()) known.push_back(name);
+    Fault("names no study", fmt::format("compute = {{ study = ... }}, one of {}", fmt::join(known, ", ")));
+  }
+
+  void CheckStanding(bool limits) {
+    const std::string& expect = claim_.expect;
+    if (expect == "reproduced") {
+      if (!claim_.HasThesis()) {
+        Fault("names no figure of the thesis", "add thesis = (what is printed), or expect = \"derived\"");
+      }
+      if (!claim_.assumed.empty()) Fault("rests on assumed data", "expect = \"reproduced_assumed\"");
+    }
+    if (expect == "reproduced_assumed") {
+      if (claim_.assumed.empty()) Fault("does not say what is assumed", "add assumed = \"...\"");
+      if (!claim_.HasThesis() && !limits) {
+        Fault("compares with nothing of the thesis", "add thesis, or limits for its words; else expect = \"derived\"");
+      }
+    }
+    if (expect == "derived" && (!claim_.HasIndependent() || claim_.HasThesis() || limits)) {
+      Fault("compares with an independent value alone", "give independent and allowed; no thesis, no limits");
+    }
+    if (expect == "contradicted" && !claim_.HasThesis() && !limits) {
+      Fault("contradicts nothing of the thesis", "add thesis = (what is printed), or limits for its words");
+    }
+  }
+
+  const Claim& claim_;
+  Diagnostics& diagnostics_;
+};
+
+bool Holds(const Claim& claim, double ours) {
+  if (claim.HasLimits()) return !(ours < claim.at_least) && !(ours > claim.at_most);
+  return std::abs(ours - claim.Reference()) <= claim.allowed;
+}
+
+Standing StandingOf(const Claim& claim, double ours) {
+  if (!Holds(claim, ours)) return claim.expect == "misprint" ? Standing::kMisprint : Standing::kContradicted;
+  if (!claim.HasThesis() && !claim.HasLimits()) return Standing::kDerived;
+  const bool printed = claim.HasThesis() && claim.assumed.empty();
+  return printed ? Standing::kReproduced : Standing::kReproducedAssumed;
+}
+
+}  // namespace
+
+std::vector<std::string> Claim::StandingNames() { return {kNames.begin(), kNames.end()}; }
+
+const char* ToString(Standing standing) { return kNames[static_cast<std::size_t>(standing)]; }
+
+const char* InWords(Standing standing) {
+  switch (standing) {
+    case Standing::kReproducedAssumed:
+      return "reproduced with assumed data";
+    case Standing::kNotCheckable:
+      return "not checkable";
+    default:
+      return ToString(standing);
+  }
+}
+
+std::string AllowedText(const Claim& claim) {
+  const bool low = std::isfinite(claim.at_least), high = std::isfinite(claim.at_most);
+  if (low && high) return fmt::format("{:.4g} ... {:.4g}", claim.at_least, claim.at_most);
+  if (low) return fmt::format(">= {:.4g}", claim.at_least);
+  if (high) return fmt::format("<= {:.4g}", claim.at_most);
+  return std::isfinite(claim.allowed) ? fmt::format("+-{:.3g}", claim.allowed) : "";
 }
 
 std::vector<Claim> ReadLedger(const std::string& file, Diagnostics& diagnostics) {
@@ -36,21 +141,7 @@ std::vector<Claim> ReadLedger(const std::string& file, Diagnostics& diagnostics)
     if (!ReadParams(table, claim, diagnostics, "claim")) continue;
     if (!ids.insert(claim.id).second)
       diagnostics.Error(claim.where, fmt::format("a second claim \"{}\"", claim.id), "rename one");
-    const bool checkable = claim.expect != "not_checkable";
-    const Value* study = claim.compute.Find("study");
-    if (checkable && (study == nullptr || !study->is_string() || !Studies().contains(study->string()))) {
-      std::vector<std::string> known;
-      for (const auto& [name, function] : Studies()) known.push_back(name);
-      diagnostics.Error(claim.where, fmt::format("claim \"{}\" names no study", claim.id),
-                        fmt::format("compute = {{ study = ... }}, one of {}", fmt::join(known, ", ")));
-    }
-    if (checkable && (table.Find("published") == nullptr || claim.origin.empty())) {
-      diagnostics.Error(claim.where, fmt::format("claim \"{}\" needs published, tolerance and its origin", claim.id));
-    }
-    if (claim.expect != "reproduced" && claim.explanation.empty()) {
-      diagnostics.Error(claim.where, fmt::format("claim \"{}\" is {} without an explanation", claim.id, claim.expect),
-                        "add explanation = \"...\"");
-    }
+    Rules(claim, diagnostics).Check();
     claims.push_back(std::move(claim));
   }
   return claims;
@@ -64,9 +155,18 @@ ClaimResult Judge(const Claim& claim, const Figure& ours) {
     return result;
   }
   result.ours = ours;
-  const bool same = std::isfinite(ours.value) && std::abs(ours.value - claim.published) <= claim.tolerance;
-  result.standing = same ? Standing::kReproduced : Standing::kContradicted;
-  result.as_expected = ToString(result.standing) == claim.expect && std::isfinite(ours.value);
+  if (!std::isfinite(ours.value)) {
+    result.fault = "the study gives no finite number";
+    return result;
+  }
+  if (std::isfinite(claim.independent_within) &&
+      !(std::abs(ours.value - claim.independent) <= claim.independent_within)) {
+    result.fault = fmt::format("ours, {:.6g}, is not within {:.3g} of the independent value, {:.6g}", ours.value,
+                               claim.independent_within, claim.independent);
+    return result;
+  }
+  result.standing = StandingOf(claim, ours.value);
+  result.as_expected = ToString(result.standing) == claim.expect;
   return result;
 }
 

@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "base/random.h"
-#include "experiment/prepare.h"
-#include "experiment/run_scenario.h"
 #include "mechanics/gas_exchange.h"
 #include "mechanics/gas_flow.h"
 #include "mechanics/pressure_loops.h"
@@ -86,12 +84,14 @@ Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
   if (!regulator.ok()) return regulator.failure();
   const std::string figure = Text(parameters, "figure");
   if (figure == "least_stiffness") return Figure{mechanics::LeastStiffness(*regulator), "N/m"};
+  if (figure == "integral_bound_per_ms") return Figure{1e-3 * mechanics::LargestIntegralGain(*regulator, 0.0), "1/ms"};
   const auto roots = mechanics::PolynomialRoots(mechanics::RegulatorPolynomial(*regulator));
   if (!roots.ok()) return roots.failure();
   if (figure == "fast_pole") return Figure{roots->real().minCoeff(), "1/s"};
   if (figure == "slow_pole") return Figure{roots->real().maxCoeff(), "1/s"};
   if (figure == "slow_pole_frequency") return Figure{roots->imag().maxCoeff(), "1/s"};
-  return Wrong("needs a \"figure\": least_stiffness, fast_pole, slow_pole or slow_pole_frequency");
+  return Wrong(
+      "needs a \"figure\": least_stiffness, integral_bound_per_ms, fast_pole, slow_pole or slow_pole_frequency");
 }
 
 /// Where the eigenvalues cross the axis when one number is swept, over the printed bound.
@@ -156,7 +156,7 @@ Result<Figure> RegulatorSteady(const Registry& registry, const Value& parameters
   return Figure{states[2] - formula, "Pa"};
 }
 
-/// 1 when (6.14) alone, as it is printed, asks for a supply pressure below twice the charge pressure at that speed.
+/// K of (6.13) at that speed: (6.14), as it is printed, asks for (1 + K) times the charge pressure.
 Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   const Result<Plan> plan = PlanOf(parameters);
   if (!plan.ok()) return plan.failure();
@@ -167,12 +167,14 @@ Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   const double area = mechanics::FlapArea::Cosine(Number(*control, "flap.1.area_offset_m2", 0.0),
                                                   Number(*control, "flap.1.area_span_m2", 1.0))
                           .Area(25.0);
-  return Figure{mechanics::PressureSurplus(swept, area, 287.05 * 320.0) < 1.0 ? 1.0 : 0.0, "1"};
+  return Figure{mechanics::PressureSurplus(swept, area, 287.05 * 320.0), "1"};
 }
 
 /// Largest relative distance of (6.1), as printed, from the rate of the pressure that the balances of mass and energy
-/// give, over states of a cylinder that differ in everything.
-Result<Figure> CylinderRate(const Registry&, const Value&) {
+/// give, over states of a cylinder that differ in everything. `displacement`: with the constant displacement volume in
+/// the place of the momentary one, as the text names it.
+Result<Figure> CylinderRate(const Registry&, const Value& parameters) {
+  const bool displacement = Flag(parameters, "displacement");
   const mechanics::GasPair gases;
   std::uint64_t drawn = 0;
   const auto between = [&drawn](double low, double high) { return low + (high - low) * RandomUniform(61, 0, drawn++); };
@@ -190,9 +192,10 @@ Result<Figure> CylinderRate(const Registry&, const Value&) {
       sum_R += gases.R[j] * dm[j];
       sum_cv += gases.R[j] / (gases.chi[j] - 1.0) * dm[j];
     }
-    const double printed = (gas.chi - 1.0) / volume *
+    const double V_cyl = displacement ? 26.6e-3 : volume, dV_cyl = displacement ? 0.0 : dV;
+    const double printed = (gas.chi - 1.0) / V_cyl *
                            (gas.theta / (gas.chi - 1.0) * sum_R - gas.theta * sum_cv -
-                            gas.chi / (gas.chi - 1.0) * gas.pressure * dV + Q_w + q_in * h_in - q_out * h_out);
+                            gas.chi / (gas.chi - 1.0) * gas.pressure * dV_cyl + Q_w + q_in * h_in - q_out * h_out);
     const double h = 1e-7;
     const auto pressure = [&](double t) {
       const mechanics::Charge then = {{charge.mass[0] + t * dm[0], charge.mass[1] + t * dm[1]}, charge.energy + t * dU};
@@ -206,48 +209,12 @@ Result<Figure> CylinderRate(const Registry&, const Value&) {
   return Figure{worst, "1"};
 }
 
-/// A figure of the checks of one kind (`ramps` unless said) of a scenario, or over a second one; with `below`: 1 when
-/// it is less than that.
-Result<Figure> RampsFigure(const Registry& registry, const Value& parameters) {
-  Result<Plan> plan = PlanOf(parameters);
-  if (!plan.ok()) return plan.failure();
-  const std::string kind = parameters.Find("kind") != nullptr ? Text(parameters, "kind") : "ramps";
-  Value::Array ramps;
-  const Value* checks = plan->root.Find("check");
-  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
-    if (Text(check, "kind") == kind) ramps.push_back(check);
-  }
-  plan->root["check"] = Value(std::move(ramps));
-  Diagnostics diagnostics;
-  const std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), {}, registry, diagnostics);
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
-  const Result<Course> course = Play(*prepared, {});
-  if (!course.ok()) return course.failure();
-  CheckContext context(prepared->plan, *prepared->rig, course->samples, prepared->rig->run.solver);
-  context.trace = &course->trace;
-  context.registry = &registry;
-  context.records = prepared->records.get();
-  for (const auto& check : prepared->checks) check->Run(context);
-  const auto figure = context.figures.find(Text(parameters, "figure"));
-  if (figure == context.figures.end()) return Wrong("there is no figure \"" + Text(parameters, "figure") + "\"");
-  if (parameters.Find("over") == nullptr) return figure->second;
-  const auto over = context.figures.find(Text(parameters, "over"));
-  if (over == context.figures.end()) return Wrong("there is no figure \"" + Text(parameters, "over") + "\"");
-  const double share = figure->second.value / over->second.value;
-  if (parameters.Find("below") == nullptr) return Figure{share, "1"};
-  return Figure{share < Number(parameters, "below", 0.0) ? 1.0 : 0.0, "1"};
-}
-
 }  // namespace
 
 std::map<std::string, Study, std::less<>> PressureStudies() {
-  return {{"pressure_cylinder_rate", CylinderRate},
-          {"pressure_first_order_lag", FirstOrderLag},
-          {"pressure_flow_function", FlowFunctionStudy},
-          {"pressure_planned_reference", PlannedReference},
-          {"pressure_ramps", RampsFigure},
-          {"pressure_regulator", RegulatorFigure},
-          {"pressure_regulator_bound", RegulatorBound},
+  return {{"pressure_cylinder_rate", CylinderRate},      {"pressure_first_order_lag", FirstOrderLag},
+          {"pressure_flow_function", FlowFunctionStudy}, {"pressure_planned_reference", PlannedReference},
+          {"pressure_regulator", RegulatorFigure},       {"pressure_regulator_bound", RegulatorBound},
           {"pressure_regulator_steady", RegulatorSteady}};
 }
 

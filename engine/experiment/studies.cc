@@ -10,6 +10,8 @@
 #include "experiment/coupling_studies.h"
 #include "experiment/prepare.h"
 #include "experiment/pressure_studies.h"
+#include "experiment/studies_printed.h"
+#include "experiment/studies_runs.h"
 #include "experiment/suppression_studies.h"
 #include "mechanics/descriptions.h"
 #include "mechanics/distributed.h"
@@ -140,21 +142,6 @@ Result<Figure> RisingWithLastInertia(const Registry& registry, const Value& para
   return Figure{static_cast<double>((derivative.array() <= 0.0).count()), "1"};
 }
 
-/// Sum of the inertias named in `inertias`.
-Result<Figure> InertiaSum(const Registry& registry, const Value& parameters) {
-  const Result<Subject> subject = Load(registry, parameters);
-  if (!subject.ok()) return subject.failure();
-  double sum = 0.0;
-  const Value* names = parameters.Find("inertias");
-  for (const Value& name : names != nullptr && names->is_array() ? names->array() : Value::Array{}) {
-    const Value* lumped = subject->prepared->plan.root.FindPath("plant.inertia." + name.string());
-    const Value* rotor = subject->prepared->plan.root.FindPath("plant.rotor." + name.string() + ".inertia_kg_m2");
-    if (lumped == nullptr && rotor == nullptr) return Wrong("no inertia " + name.string());
-    sum += (lumped != nullptr ? lumped : rotor)->number();
-  }
-  return Figure{sum, "kg m^2"};
-}
-
 /// The rotor with an oscillator at its end, from I_1, k_im, I_5, k_4.
 struct RotorWithOscillator {
   double inertia, stiffness;
@@ -205,6 +192,14 @@ Result<Figure> RotorSliced(const Registry&, const Value& parameters) {
     if (frequency > 0.0) return Figure{frequency, "Hz"};
   }
   return Wrong("no elastic mode");
+}
+
+/// How far the heuristic formula is below the rotor in slices.
+Result<Figure> RotorFormulaGap(const Registry& registry, const Value& parameters) {
+  const Result<Figure> sliced = RotorSliced(registry, parameters), formula = RotorHeuristic(registry, parameters);
+  if (!sliced.ok()) return sliced;
+  if (!formula.ok()) return formula;
+  return Figure{sliced->value - formula->value, "Hz"};
 }
 
 /// Measured order with which the sliced rotor approaches the exact one.
@@ -325,20 +320,20 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"coupling_closed_loop", CouplingClosedLoop},
       {"coupling_frequency", CouplingFrequency},
       {"coupling_lever", CouplingLever},
-      {"coupling_peak", CouplingPeak},
       {"coupling_reynolds", CouplingReynolds},
       {"coupling_rivals", CouplingRivals},
       {"coupling_steady", CouplingSteady},
-      {"inertia_sum", InertiaSum},
       {"mode_frequency", ModeFrequency},
       {"unstable_at_bound", UnstableAtBound},
       {"relative_height", RelativeHeight},
       {"resonance_shift", ResonanceShift},
       {"rising_with_last_inertia", RisingWithLastInertia},
       {"rotor_exact", RotorExact},
+      {"rotor_formula_gap", RotorFormulaGap},
       {"rotor_in_thirds", RotorInThirds},
       {"rotor_heuristic", RotorHeuristic},
       {"rotor_sliced", RotorSliced},
+      {"scenario_figure", ScenarioFigure},
       {"slice_order", SliceOrder},
       {"spatial_against_exact", SpatialAgainstExact},
       {"three_mass_round_trip", ThreeMassRoundTrip},
@@ -350,6 +345,8 @@ const std::map<std::string, Study, std::less<>>& Studies() {
   static const std::map<std::string, Study, std::less<>> all = [] {
     auto merged = SuppressionStudies();
     merged.merge(PressureStudies());
+    merged.merge(PrintedStudies());
+    merged.merge(SlipStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;
   }();

@@ -17,7 +17,7 @@ using Study = Result<Figure> (*)(const Registry& registry, const Value& paramete
 /// instead.
 Result<Figure> BacklashImpact(const Registry& registry, const Value& parameters);
 Result<Figure> BacklashRigidMass(const Registry& registry, const Value& parameters);
-/// How far two laws with play are apart up to an impact of the first.
+/// How far two laws with play are apart in a signal (omega_1 unless said) up to an impact of the first.
 Result<Figure> BacklashLaws(const Registry& registry, const Value& parameters);
 /// Lowest elastic frequency of a rotor cut in equal thirds, footnote 2 of chapter 3.
 Result<Figure> RotorInThirds(const Registry& registry, const Value& parameters);

@@ -91,12 +91,13 @@ Result<Figure> BacklashLaws(const Registry& registry, const Value& parameters) {
   if (!other.ok()) return other.failure();
   const auto number = static_cast<std::size_t>(NumberOr(parameters, "until_impact", 2.0));
   if (number < 1 || one->impacts.size() < number) return Wrong("too few impacts");
-  // omega_1 of the scenario, over what it spreads from from_s to that impact.
+  // The signal of the scenario, over what it spreads from from_s to that impact.
   const Result<Plan> plan = PlanOf(parameters, "");
   if (!plan.ok()) return plan.failure();
+  const std::string signal = TextOr(parameters, "signal", "omega_1");
   const std::vector<std::string> names = KeysOf(*plan->root.Find("output"));
-  const auto output = static_cast<std::size_t>(std::find(names.begin(), names.end(), "omega_1") - names.begin());
-  if (output == names.size()) return Wrong("the scenario has no output omega_1");
+  const auto output = static_cast<std::size_t>(std::find(names.begin(), names.end(), signal) - names.begin());
+  if (output == names.size()) return Wrong("the scenario has no output " + signal);
   const double from_s = NumberOr(parameters, "from_s", 0.0), to_s = one->impacts[number - 1].time_s;
   double error = 0.0, mean = 0.0, square = 0.0, count = 0.0;
   for (std::size_t k = 0; k < one->samples.time.size(); ++k) {

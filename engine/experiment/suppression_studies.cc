@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -267,25 +268,52 @@ Result<Figure> ProbeShift(const Registry&, const Value& parameters) {
   return Figure{std::isfinite(nearest) ? std::abs(nearest) : 0.0, "Hz"};
 }
 
-/// A figure that a scenario's checks find out (`figure`), from its run with its own solver.
-Result<Figure> ScenarioFigure(const Registry& registry, const Value& parameters) {
+/// The oscillation of `signal` in the last 0.1 s of a run: its `quantity` amplitude (largest value) or frequency (of
+/// the largest component between 100 and 2000 Hz).
+Result<Figure> LastOscillation(const Registry& registry, const Value& parameters) {
   Diagnostics diagnostics;
   std::unique_ptr<Prepared> prepared;
   for (const std::string& file : FindScenarios(Text(parameters, "scenario"), diagnostics)) {
     prepared = Prepare(file, {}, registry, diagnostics);
   }
   if (prepared == nullptr) return Wrong(diagnostics.Format());
-  const auto solver = MakeSolver(prepared->rig->run.solver, *prepared->rig);
+  const Rig& rig = *prepared->rig;
+  const auto solver = MakeSolver(rig.run.solver, rig);
   if (!solver.ok()) return solver.failure();
-  const Result<Samples> samples = Simulate(*prepared->rig, **solver);
+  const Result<Samples> samples = Simulate(rig, **solver);
   if (!samples.ok()) return samples.failure();
-  CheckContext context(prepared->plan, *prepared->rig, *samples, prepared->rig->run.solver);
-  for (const auto& check : prepared->checks) {
-    check->Run(context);
-    const auto it = context.figures.find(Text(parameters, "figure"));
-    if (it != context.figures.end()) return it->second;
+  const int output = FindOutput(rig, Text(parameters, "signal"));
+  if (output < 0) return Wrong("the scenario has no such output");
+  const std::vector<double>& values = samples->outputs[static_cast<std::size_t>(output)];
+  const double period = rig.run.period_s;
+  const auto count = std::min(values.size(), static_cast<std::size_t>(std::lround(0.1 / period)));
+  const double* last = values.data() + values.size() - count;
+  if (Text(parameters, "quantity") == "amplitude") {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(last[i]));
+    return Figure{largest, "N m"};
   }
-  return Wrong(fmt::format("no check finds out \"{}\"", Text(parameters, "figure")));
+  const auto component = [&](double f) {
+    std::complex<double> sum = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = kTurn * static_cast<double>(i) / static_cast<double>(count);
+      const double window = 0.42 - 0.5 * std::cos(x) + 0.08 * std::cos(2.0 * x);
+      sum += last[i] * window * std::polar(1.0, -kTurn * f * period * static_cast<double>(i));
+    }
+    return std::abs(sum);
+  };
+  const auto strongest = [&](double from, double to, double step) {
+    double best = from, most = -1.0;
+    for (double f = from; f <= to; f += step) {
+      if (const double now = component(f); now > most) {
+        most = now;
+        best = f;
+      }
+    }
+    return best;
+  };
+  const double coarse = strongest(100.0, 2000.0, 5.0);
+  return Figure{strongest(coarse - 5.0, coarse + 5.0, 0.05), "Hz"};
 }
 
 }  // namespace
@@ -297,13 +325,13 @@ std::map<std::string, Study, std::less<>> SuppressionStudies() {
       {"estimator_error", EstimatorError},
       {"interpolation_offset_error", OffsetError},
       {"lags_explaining_both", LagsExplainingBoth},
+      {"last_oscillation", LastOscillation},
       {"lobe_error", LobeError},
       {"loop_gain_at_phase_crossing", LoopGainAtPhaseCrossing},
       {"loop_mode", LoopModeStudy},
       {"notch_range", NotchRange},
       {"nyquist_gain", NyquistGainStudy},
       {"probe_shift", ProbeShift},
-      {"scenario_figure", ScenarioFigure},
       {"unstable_modes", UnstableModes},
   };
 }
