@@ -126,7 +126,7 @@ double LargestDistance(const trace::Trace& a, const trace::Signal& of_a, const t
 /// Rounded up to two digits.
 double RoundedUp(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return std::ceil(value / unit * (1.0 - 1e-12)) * unit;
+  return std::stod(fmt::format("{:.1e}", std::ceil(value / unit * (1.0 - 1e-12)) * unit));
 }
 
 /// How far a run of the other solver may be: the adaptive steps of another machine are not those of this one.
