@@ -153,6 +153,7 @@ int Bless(const BlessArguments& arguments) {
   prepare.golden = golden;
   std::unique_ptr<Prepared> prepared;
   if (files.size() == 1) prepared = Prepare(files[0], prepare, *registry, diagnostics);
+  if (prepared != nullptr) ChecksApply(prepared->checks, prepared->plan, *prepared->rig, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
   const Tree tree = IsOwnScenario(files[0]) ? UserTree(files[0]) : ProgramTree();
   if (!tree.refusal.empty()) return refuse(tree.refusal);

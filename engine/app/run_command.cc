@@ -113,6 +113,9 @@ int Run(const RunArguments& arguments) {
       scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
     }
   }
+  for (const auto& one : scenarios) {
+    if (one != nullptr) ChecksApply(one->checks, one->plan, *one->rig, diagnostics);
+  }
   if (Report(diagnostics) != kGood) return kUsage;
   if (!Writable(arguments.out)) return kBroken;
   if (!CanWrite({arguments.junit, arguments.markdown, arguments.html, arguments.common.json})) return kBroken;

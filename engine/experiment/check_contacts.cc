@@ -159,8 +159,19 @@ std::vector<score::Check> WindowsCheck::Run(CheckContext& context) const {
   if (!run.ok()) return {Failed(kName, name, p_.nrmse, "1", p_.origin, run.failure().ToString())};
   const int output = FindOutput(context.rig(), p_.signal);
   const double inf = std::numeric_limits<double>::infinity();
-  return {score::AtMost(name, kName, Distance(run->reference, run->restarted, output, -inf, inf), p_.nrmse, "1",
-                        p_.origin, fmt::format("windows of {} s", window_s))};
+  std::string what = fmt::format("windows of {} s", window_s);
+  double distance = Distance(run->reference, run->restarted, output, -inf, inf);
+  if (std::isnan(distance)) {  // a constant signal has no spread: its nominal takes that place
+    const std::vector<double>&exact = run->reference.outputs[output], &restarted = run->restarted.outputs[output];
+    distance = 0.0;
+    for (std::size_t k = 0; k < exact.size() && !std::isnan(distance); ++k) {  // a NaN of a signal fails the check
+      const double error = std::abs(exact[k] - restarted[k]);
+      if (!(error <= distance)) distance = error;
+    }
+    distance /= context.rig().outputs[output].nominal;
+    what += "; the signal is constant: its largest error over its nominal";
+  }
+  return {score::AtMost(name, kName, distance, p_.nrmse, "1", p_.origin, what)};
 }
 
 std::vector<score::Check> DivergenceCheck::Run(CheckContext& context) const {

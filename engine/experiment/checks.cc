@@ -203,7 +203,27 @@ class OracleCheck : public CheckPlan {
     return {CompareNrmse(context, p_.signal, exact, own, limit.nrmse, name, kName, limit.origin)};
   }
 
+  void Applies(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) const override {
+    const std::string why = WhyNot(oracles::All().at(p_.oracle), plan, rig);
+    if (why.empty()) return;
+    std::string instead =
+        "take kind = \"solvers\" instead, or \"windows\" where play or dry friction makes motion chaotic";
+    for (const auto& [name, oracle] : oracles::All()) {
+      if (WhyNot(oracle, plan, rig).empty()) instead = fmt::format("take oracle = \"{}\"", name);
+    }
+    diagnostics.Error(stated_at, fmt::format("the oracle \"{}\" {}", p_.oracle, why), instead,
+                      "dynoproof describe check.oracle");
+  }
+
  private:
+  /// Why an oracle has no answer for this output; empty when it has.
+  std::string WhyNot(const oracles::Oracle& oracle, const Plan& plan, const Rig& rig) const {
+    oracles::Question question{plan.root, {}, {}, {p_.signal}};
+    for (const InputLine& line : rig.inputs) question.inputs[line.name] = {};
+    const Result<oracles::Answer> answer = oracle(question);
+    return answer.ok() ? "" : answer.failure().message;
+  }
+
   Params p_;
 };
 
@@ -293,9 +313,19 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
           near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    if (auto check = kind->make(table, plan, rig, diagnostics)) checks.push_back(std::move(check));
+    auto check = kind->make(table, plan, rig, diagnostics);
+    if (check == nullptr) continue;
+    check->stated_at = name->where();
+    checks.push_back(std::move(check));
   }
   return checks;
+}
+
+bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Plan& plan, const Rig& rig,
+                 Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  for (const auto& check : checks) check->Applies(plan, rig, diagnostics);
+  return diagnostics.error_count() == before;
 }
 
 std::vector<CheckKindInfo> CheckKinds() {

@@ -62,10 +62,19 @@ class CheckPlan {
   virtual ~CheckPlan() = default;
   /// At least one Check: a check that could not be made is a failed one that says why.
   virtual std::vector<score::Check> Run(CheckContext& context) const = 0;
+  /// Reports why this scenario could never make the check, at `stated_at`, and what to state instead.
+  virtual void Applies(const Plan&, const Rig&, Diagnostics&) const {}
+
+  SourceSpan stated_at;  // its kind, in the file
 };
 
 /// Reads every [[check]] of the plan; faults become diagnostics.
 std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& rig, Diagnostics& diagnostics);
+
+/// Whether every check can be made on the scenario that states it; what cannot is an error at its place. Asked before
+/// anything runs: a check that does not happen proves nothing, and the run would be for nothing.
+bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Plan& plan, const Rig& rig,
+                 Diagnostics& diagnostics);
 
 /// What `describe` says of the kinds of checks: name, summary, parameters.
 struct CheckKindInfo {

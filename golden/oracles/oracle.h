@@ -15,7 +15,7 @@ namespace dynoproof::oracles {
 /// What an oracle is asked: a scenario (effects applied) and the commands its inputs held.
 struct Question {
   const Value& scenario;
-  std::span<const double> time;                           // n ticks [s], uniform
+  std::span<const double> time;                           // n ticks [s], uniform; none: only whether it applies
   std::map<std::string, std::span<const double>> inputs;  // by name; value k holds from tick k to k + 1
   std::vector<std::string> outputs;                       // names of [output.NAME]
 };
@@ -37,7 +37,7 @@ Result<Answer> PiecewiseExponential(const Question& question);
 /// (exit code 2) on anything else.
 Result<Answer> PressureExtrapolation(const Question& question);
 
-/// All oracles by name.
+/// All oracles by name. Asked without times, an oracle answers with nothing where it applies, and refuses elsewhere.
 using Oracle = Result<Answer> (*)(const Question&);
 const std::map<std::string, Oracle, std::less<>>& All();
 

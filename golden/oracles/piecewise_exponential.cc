@@ -67,6 +67,10 @@ Line ReadLine(const Value& plant) {
   for (const auto& [name, shaft, where] : plant.Find("shaft")->table()) {
     const Value::Array& between = shaft.Find("between")->array();
     const int from = line.Node(between[0].string()), to = line.Node(between[1].string());
+    if (from < 0 || to < 0) {
+      line.fault = fmt::format("shaft \"{}\" joins ends that are written in another way than by their name", name);
+      return line;
+    }
     twists.push_back({static_cast<double>(from), static_cast<double>(to), NumberOr(shaft, "initial_twist_rad", 0.0)});
     const Value* law = shaft.Find("law");
     const double k = NumberOr(shaft, "stiffness_Nm_per_rad", 0), c = NumberOr(shaft, "damping_Nms_per_rad", 0);
@@ -234,10 +238,16 @@ Result<Answer> PiecewiseExponential(const Question& question) {
   for (const auto& [name, values] : question.inputs) {
     const Value& input = *question.scenario.Find("input")->Find(name);
     const Value* to = input.Find("to");
-    if (!to->is_string() || input.Find("actuator") != nullptr) return refuse(fmt::format("input \"{}\"", name));
+    if (!to->is_string() || input.Find("actuator") != nullptr)
+      return refuse(fmt::format("input \"{}\" has an actuator, or drives more than one port", name));
     nodes.push_back(line.torques.at(to->string().substr(to->string().find('.') + 1)));
     commands.push_back(values);
   }
+  for (const std::string& name : question.outputs) {
+    if (question.scenario.Find("output")->Find(name)->Find("sensor") != nullptr)
+      return refuse(fmt::format("output \"{}\" has a sensor", name));
+  }
+  if (question.time.empty()) return Answer{};
   const double period_s =
       (question.time.back() - question.time.front()) / static_cast<double>(question.time.size() - 1);
   // Contact may last for less than a period: eight looks at it.
@@ -251,7 +261,6 @@ Result<Answer> PiecewiseExponential(const Question& question) {
   std::vector<Wanted> wanted;
   for (const std::string& name : question.outputs) {
     const Value& output = *question.scenario.Find("output")->Find(name);
-    if (output.Find("sensor") != nullptr) return refuse(fmt::format("output \"{}\" has a sensor", name));
     const std::string of = output.Find("of")->string();
     const std::size_t first = of.find('.'), last = of.rfind('.');
     const std::string part = of.substr(first + 1, last - first - 1), quantity = of.substr(last + 1);

@@ -162,7 +162,7 @@ Result<Answer> PressureExtrapolation(const Question& question) {
     if (input.Find("actuator") != nullptr) return refuse(fmt::format("input \"{}\" has an actuator", name));
     ports[name] = port_of(input, "to");
     if (ports[name].empty()) return refuse(fmt::format("input \"{}\" does not drive the plant alone", name));
-    held[ports[name]] = values[0];
+    held[ports[name]] = values.empty() ? 0.0 : values[0];
   }
   Answer answer;
   std::vector<std::pair<std::string, const std::function<Real(const Held&, const State&)>*>> outputs;
@@ -174,6 +174,7 @@ Result<Answer> PressureExtrapolation(const Question& question) {
     outputs.emplace_back(name, &found->second);
   }
 
+  if (question.time.empty()) return Answer{};
   State state = plant.start(held);
   namespace odeint = boost::numeric::odeint;
   for (std::size_t k = 0; k < question.time.size(); ++k) {
