@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
+#include "app/examples.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
 
@@ -111,6 +112,16 @@ std::string DescribePorts(const Registry& registry, const PluginInfo& plugin, nl
   return text;
 }
 
+/// Lines set in below a heading.
+std::string Indented(const std::string& heading, const std::string& lines) {
+  std::string text = heading + "\n  ";
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    text += lines[i];
+    if (lines[i] == '\n' && i + 1 < lines.size()) text += "  ";
+  }
+  return text;
+}
+
 /// Plugins and check kinds of that name ("chirp" or "source.chirp"), as text and JSON; empty when there are none.
 std::string DescribePlugins(const Registry& registry, const std::string& name, nlohmann::json& document) {
   std::string text;
@@ -128,6 +139,10 @@ std::string DescribePlugins(const Registry& registry, const std::string& name, n
                                    {"source", plugin->source},
                                    {"parameters", ToJson(plugin->parameters)},
                                    {"ports", ports}});
+    if (plugin->kind != "law") continue;
+    const std::string example = ExampleOf(*plugin);
+    text += Indented("in a scenario, e.g. that of `dynoproof new scenario`", example);
+    document["plugins"].back()["example"] = example;
   }
   for (const CheckKindInfo& kind : CheckKinds()) {
     if (name != kind.name && name != "check." + kind.name) continue;
@@ -150,14 +165,12 @@ std::string DescribeEffect(const EffectInfo& info, nlohmann::json& document) {
                           {"unit", one.unit},
                           {"lower", one.lower},
                           {"upper", one.upper},
+                          {"start", one.start},
                           {"description", one.description}});
   }
   document["effects"].push_back({{"name", info.name}, {"law", info.law}, {"parameters", parameters}});
-  return text + fmt::format(
-                    "\nin a scenario\n  [[effect]]\n  name = \"{}\"\n  at = \"KIND:NAME\"   # dynoproof describe "
-                    "SCENARIO lists the places\n"
-                    "  parameters = {{ {} = ... }}\n",
-                    info.name, info.parameters.empty() ? "" : info.parameters[0].name);
+  document["effects"].back()["example"] = ExampleOf(info);
+  return text + Indented("\nin a scenario", ExampleOf(info));
 }
 
 std::string DescribeScenario(const Registry& registry, const std::string& file, Diagnostics& diagnostics,
@@ -233,7 +246,8 @@ int Validate(const Common& common, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     for (const std::string& file : FindScenarios(name, all)) {
       Diagnostics own;
-      Prepare(file, {}, *registry, own);
+      const std::unique_ptr<Prepared> prepared = Prepare(file, {}, *registry, own);
+      if (prepared != nullptr) ChecksApply(prepared->checks, prepared->plan, *prepared->rig, own);
       nlohmann::json faults = nlohmann::json::array();
       for (const Diagnostic& item : own.items()) {
         faults.push_back({{"file", item.where.file},

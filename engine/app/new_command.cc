@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
 #include "app/templates.h"
+#include "experiment/build_info.h"
 
 namespace dynoproof::app {
 namespace {
@@ -36,6 +39,86 @@ std::string ClassName(const std::string& name) {
   return text;
 }
 
+/// The program as it was called, so that what it prints can be called as well.
+std::string Called() {
+  std::ifstream words("/proc/self/cmdline");
+  std::string word;
+  std::getline(words, word, '\0');
+  return word.empty() ? "dynoproof" : word;
+}
+
+/// Where cmake finds the package that plugins are built against: the build folder that this program stands in, or the
+/// prefix that it is installed under. Empty when it stands alone.
+std::string PackagePrefix() {
+  std::error_code error;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path(), prefix = folder.parent_path();
+  if (fs::exists(folder / "dynoproofConfig.cmake", error)) return folder.string();
+  for (const char* library : {"lib", "lib64"}) {
+    const fs::path place = prefix / library;
+    if (fs::exists(place / "cmake/dynoproof/dynoproofConfig.cmake", error)) return prefix.string();
+    for (const fs::directory_entry& one : fs::directory_iterator(place, error)) {  // lib/x86_64-linux-gnu
+      if (fs::exists(one.path() / "cmake/dynoproof/dynoproofConfig.cmake", error)) return prefix.string();
+    }
+  }
+  return "";
+}
+
+/// The commit that this program was built from, without the mark of a changed tree.
+std::string BuiltFrom() {
+  std::string commit = build_info::Commit();
+  if (commit.ends_with('+')) commit.pop_back();
+  return commit;
+}
+
+using Files = std::vector<std::pair<std::string, std::string>>;
+
+/// A library of one law or effect, and a scenario that uses it.
+Files PluginFolder(const std::string& what, const std::string& name) {
+  std::string scenario = kScenarioTemplate;
+  if (what == "law") {
+    const std::string shaft = "stiffness_Nm_per_rad = 2.5e5\n";
+    scenario = Replace(scenario, shaft, shaft + kLawUse);
+  } else {
+    scenario += kEffectUse;
+  }
+  return {{name + "/CMakeLists.txt", kPluginCmake},
+          {name + "/" + name + ".cc", what == "law" ? kLawTemplate : kEffectTemplate},
+          {name + "/" + name + ".toml", scenario}};
+}
+
+/// A folder to be put under git: a scenario with a golden trace, pipelines, a README.
+Files ProjectFolder(const std::string& name) {
+  const std::map<std::string, std::string> places = {{"README.md", "README.md"},
+                                                     {"gitignore", ".gitignore"},
+                                                     {"github-actions.yml", ".github/workflows/dynoproof.yml"},
+                                                     {"gitlab-ci.yml", ".gitlab-ci.yml"}};
+  Files files;
+  for (const auto& [file, text] : ProjectFiles()) files.emplace_back(name + "/" + places.at(file), text);
+  files.emplace_back(name + "/scenarios/line.toml",
+                     Replace(std::string(kScenarioTemplate) + kGoldenUse, "@NAME@", "line"));
+  return files;
+}
+
+/// The commands to go on with, as they can be typed here.
+std::string Next(const std::string& what, const std::string& name, const std::string& prefix) {
+  const std::string called = Called();
+  if (what == "scenario")
+    return fmt::format("next:\n  {0} validate {1}.toml\n  {0} modes {1}.toml\n  {0} run {1}.toml\n", called, name);
+  if (what == "project") {
+    return fmt::format(
+        "next, in {1}/ (README.md there says more):\n  git init && git add . && git commit -m \"A first drive line\"\n"
+        "  {0} bless scenarios/line.toml --reason TEXT\n  {0} run scenarios\n",
+        fs::path(called).is_relative() && called.find('/') != std::string::npos ? "../" + called : called, name);
+  }
+  const std::string missing = prefix.empty() ? "this program stands alone: install dynoproof for the package that "
+                                               "plugins are built against, and put its prefix for PREFIX\n"
+                                             : "";
+  return fmt::format(
+      "{3}next:\n  cmake -S {1} -B {1}/build -DCMAKE_PREFIX_PATH=\"{2}\" && cmake --build {1}/build\n"
+      "  {0} describe {1} --plugin {1}/build/{1}.so\n  {0} run {1}/{1}.toml --plugin {1}/build/{1}.so\n",
+      called, name, prefix.empty() ? "PREFIX" : prefix, missing);
+}
+
 int New(const Common& common, const std::string& what, const std::string& name) {
   const bool good = !name.empty() && std::islower(static_cast<unsigned char>(name[0])) != 0 &&
                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -45,15 +128,14 @@ int New(const Common& common, const std::string& what, const std::string& name) 
     Complain(fmt::format("\"{}\" is no name: lower-case letters, digits and underscores, a letter first\n", name));
     return kUsage;
   }
-  std::vector<std::pair<std::string, std::string>> files;
-  const auto fill = [&name](const char* text) {
-    return Replace(Replace(text, "@NAME@", name), "@CLASS@", ClassName(name));
-  };
-  if (what == "scenario") {
-    files.emplace_back(name + ".toml", fill(kScenarioTemplate));
-  } else {
-    files.emplace_back(name + "/CMakeLists.txt", fill(kPluginCmake));
-    files.emplace_back(name + "/" + name + ".cc", fill(what == "law" ? kLawTemplate : kEffectTemplate));
+  const std::string prefix = PackagePrefix();
+  Files files = what == "scenario"  ? Files{{name + ".toml", kScenarioTemplate}}
+                : what == "project" ? ProjectFolder(name)
+                                    : PluginFolder(what, name);
+  for (auto& [file, text] : files) {
+    for (const auto& [mark, value] : {std::pair("@NAME@", name), std::pair("@CLASS@", ClassName(name)),
+                                      std::pair("@COMMIT@", BuiltFrom()), std::pair("@PREFIX@", prefix)})
+      text = Replace(text, mark, value);
   }
   for (const auto& [file, text] : files) {
     std::error_code error;
@@ -66,12 +148,7 @@ int New(const Common& common, const std::string& what, const std::string& name) 
     if (const int failed = WriteText(file, text)) return failed;
     Print(common, fmt::format("{}\n", file));
   }
-  Print(common,
-        what == "scenario"
-            ? fmt::format("next: dynoproof validate {0}.toml; dynoproof modes {0}.toml; dynoproof run {0}.toml\n", name)
-            : fmt::format(
-                  "next: build it as {0}/CMakeLists.txt says, then: dynoproof describe {0} --plugin {0}/build/{0}.so\n",
-                  name));
+  Print(common, Next(what, name, prefix));
   nlohmann::json document = {{"files", nlohmann::json::array()}};
   for (const auto& [file, text] : files) document["files"].push_back(file);
   return WriteJson(common, document);
@@ -85,13 +162,14 @@ void AddNew(CLI::App& program, int& exit) {
     std::string what, name;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("new", "a template that already passes validate, or builds and loads");
-  command->add_option("what", arguments->what, "scenario, law or effect")
+  CLI::App* command = program.add_subcommand("new", "a template that already runs and passes, or builds and loads");
+  command->add_option("what", arguments->what, "scenario, law, effect or project")
       ->required()
-      ->check(CLI::IsMember({"scenario", "law", "effect"}));
+      ->check(CLI::IsMember({"scenario", "law", "effect", "project"}));
   command->add_option("name", arguments->name, "its name")->required();
   AddCommon(*command, arguments->common);
-  AddExamples(*command, "  dynoproof new scenario my_line\n  dynoproof new law soft_stop");
+  AddExamples(*command,
+              "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new project pumps");
   command->callback([arguments, &exit] { exit = New(arguments->common, arguments->what, arguments->name); });
 }
 
