@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -187,7 +188,10 @@ std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan
                             place.trace));
 }
 
-std::string GoldenFolder() { return (fs::path(ScenarioFolder()).parent_path() / "golden").lexically_normal().string(); }
+std::string GoldenFolder() {
+  if (const char* folder = std::getenv("DYNOPROOF_GOLDEN"); folder != nullptr && *folder != '\0') return folder;
+  return (fs::path(ScenarioFolder()).parent_path() / "golden").lexically_normal().string();
+}
 
 Result<GoldenTolerances> ReadTolerances(const std::string& file) {
   Diagnostics diagnostics;

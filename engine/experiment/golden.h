@@ -59,7 +59,7 @@ struct GoldenTolerances {
 /// What the scenario states to be checked, each check as its kind and what it is about: "solvers T_shaft". Sorted.
 std::vector<std::string> StatedChecks(const Plan& plan);
 
-/// The folder of the golden files: `golden` beside the scenario folder.
+/// The folder of the golden files: $DYNOPROOF_GOLDEN, else `golden` beside the scenario folder.
 std::string GoldenFolder();
 
 /// Reads [signal.NAME] tables and the reason from a TOML file.

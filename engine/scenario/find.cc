@@ -8,10 +8,6 @@
 #include "base/text.h"
 #include "scenario/load.h"
 
-#ifndef DYNOPROOF_SOURCE_SCENARIOS
-#error "the build must say where the scenarios of the source tree are"
-#endif
-
 namespace dynoproof {
 namespace {
 
@@ -42,19 +38,29 @@ std::optional<fs::path> BelowScenarioFolder(const std::string& file) {
   return relative;
 }
 
+/// The folder `name` of what belongs to this program: share/dynoproof beside the program or beside one of the two
+/// folders around it. An installation has it beside bin/; a build folder has one with links into the source tree
+/// (CMakeLists.txt). Where there is none, it is named as it should be.
+fs::path OwnFolder(const std::string& name) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  fs::path around = program.parent_path();
+  for (int i = 0; i < 3; ++i, around = around.parent_path()) {
+    if (const fs::path found = fs::canonical(around / "share/dynoproof" / name, error); !error) return found;
+  }
+  return (program.parent_path().parent_path() / "share/dynoproof" / name).lexically_normal();
+}
+
 }  // namespace
 
 std::string ScenarioFolder() {
   if (const char* folder = std::getenv("DYNOPROOF_SCENARIOS"); folder != nullptr && *folder != '\0') return folder;
+  const fs::path own = OwnFolder("scenarios");
+  // Within the tree that holds them, messages and hints name them as a person there would.
   std::error_code error;
-  for (fs::path here = fs::current_path(error); !here.empty(); here = here.parent_path()) {
-    // The CMakeLists.txt beside it tells this project's folder from a stranger's.
-    if (fs::is_directory(here / "scenarios", error) && fs::exists(here / "CMakeLists.txt", error)) {
-      return fs::relative(here / "scenarios", error).string();
-    }
-    if (here == here.root_path()) break;
-  }
-  return DYNOPROOF_SOURCE_SCENARIOS;
+  const fs::path near = fs::relative(own, error);
+  const fs::path from_tree = fs::current_path(error).lexically_relative(own.parent_path());
+  return !near.empty() && !from_tree.empty() && *from_tree.begin() != ".." ? near.string() : own.string();
 }
 
 std::string ScenarioId(const std::string& file) {

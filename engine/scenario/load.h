@@ -22,8 +22,8 @@ std::string ToToml(const Value& root);
 /// Parses one TOML value ("3.5", "[1, 2]", "true", "{ a = 1 }"); text that is none of these becomes a string.
 Value ParseTomlValue(const std::string& text);
 
-/// The folder with the scenarios: $DYNOPROOF_SCENARIOS, else `scenarios` here or in a parent folder, else the one of
-/// the source tree that this program was built from.
+/// The folder with the scenarios: $DYNOPROOF_SCENARIOS, else that of the installation or source tree that this program
+/// belongs to, wherever it was moved; relative where the current folder is in that tree.
 std::string ScenarioFolder();
 
 /// Resolves what a user names: a file, a folder, an id ("r2r/soft_rotor_setup_1") or the start of ids ("pressure/").

@@ -1,7 +1,10 @@
-// Plugins of somebody else: the templates of `dynoproof new` built against the installed headers, loaded, run; and
-// libraries that must not be loaded.
+// An installation, moved away from where it was made: the program with its own data, and plugins of somebody else, the
+// templates of `dynoproof new` built against the installed headers, loaded, run; and libraries that must not be loaded.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
 
 #include "tests/support/program.h"
 
@@ -10,15 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
-/// Installs the build once for all tests of this program, and builds both templates against it.
+/// Installs the build once for all tests of this program, moves it, and builds both templates against it.
 class Plugins : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    bench_ = new Bench;
-    Shell("cmake --install '" DYNOPROOF_BUILD "' --prefix '" + (*bench_ / "prefix").string() + "'");
+    if (bench_ != nullptr) return;
+    bench_ = std::make_unique<Bench>();
+    Shell("cmake --install '" DYNOPROOF_BUILD "' --strip --prefix '" + (*bench_ / "first").string() + "'");
+    fs::rename(*bench_ / "first", *bench_ / "prefix");
     for (const auto& [kind, name] : {std::pair("law", "soft_stop"), std::pair("effect", "extra_mass")}) {
-      const Outcome made = bench_->Call({"new", kind, name});
+      const Outcome made = bench_->Call({"new", kind, name}, {.program = (*bench_ / "prefix/bin/dynoproof").string()});
       ASSERT_EQ(made.exit, 0) << made.Both();
       Shell(std::string("cmake -S ") + name + " -B " + name +
             "/build -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS='" DYNOPROOF_PLUGIN_FLAGS "' -DCMAKE_PREFIX_PATH='" +
@@ -34,8 +40,6 @@ class Plugins : public ::testing::Test {
                   std::string(Bench::kLine) +
                       "\n[[effect]]\nname = \"extra_mass\"\nat = \"inertia:I3\"\nparameters = { I_extra = 0.1 }\n");
   }
-  static void TearDownTestSuite() { delete bench_; }
-
   static void Shell(const std::string& command) {
     const Outcome outcome = bench_->Call({"-c", command}, {.program = "sh"});
     ASSERT_EQ(outcome.exit, 0) << command << outcome.Both();
@@ -43,9 +47,9 @@ class Plugins : public ::testing::Test {
 
   static constexpr const char* kLaw = "soft_stop/build/soft_stop.so";
   static constexpr const char* kEffect = "extra_mass/build/extra_mass.so";
-  static Bench* bench_;
+  static std::unique_ptr<Bench> bench_;  // of all suites here
 };
-Bench* Plugins::bench_ = nullptr;
+std::unique_ptr<Bench> Plugins::bench_;
 
 TEST_F(Plugins, LawOfTheTemplateRuns) {
   EXPECT_EQ(bench_->Call({"validate", "stop.toml"}).exit, 2) << "unknown without its library";
@@ -82,6 +86,95 @@ TEST_F(Plugins, AreFoundOnThePath) {
   const Outcome outcome = bench_->Call({"list"}, wrong);
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_THAT(outcome.err, HasSubstr("nowhere"));
+}
+
+/// The program of the moved installation, with nothing in its environment but what is given. Called within the sources:
+/// they must not decide either.
+class Installed : public Plugins {
+ protected:
+  static fs::path Own(const std::string& file) { return *bench_ / "prefix/share/dynoproof" / file; }
+  static Outcome Call(std::vector<std::string> arguments, const std::vector<std::string>& environment = {}) {
+    arguments.insert(arguments.begin(), (*bench_ / "prefix/bin/dynoproof").string());
+    arguments.insert(arguments.begin(), environment.begin(), environment.end());
+    arguments.insert(arguments.begin(), "-i");
+    return test::Call(arguments, {.folder = fs::current_path(), .program = "env"});
+  }
+  static std::string Out() { return (*bench_ / "out_installed").string(); }
+  /// Takes a file or folder of the installation away for as long as this lives.
+  class Without {
+   public:
+    explicit Without(const std::string& file) : file_(Own(file)) { fs::rename(file_, file_.string() + ".away"); }
+    ~Without() { fs::rename(file_.string() + ".away", file_); }
+    Without(const Without&) = delete;
+    Without& operator=(const Without&) = delete;
+
+   private:
+    fs::path file_;
+  };
+};
+
+TEST_F(Installed, ListsTheScenariosThatWereInstalledWithIt) {
+  const Without pressure("scenarios/pressure");
+  fs::create_directories(Own("scenarios/mine"));
+  std::ofstream(Own("scenarios/mine/line.toml")) << Bench::kLine;
+  const Outcome list = Call({"list"});
+  EXPECT_EQ(list.exit, 0) << list.Both();
+  EXPECT_THAT(list.out, HasSubstr("mine/line"));
+  EXPECT_THAT(list.out, HasSubstr("backlash/experiment_1"));
+  EXPECT_THAT(list.out, Not(HasSubstr("pressure/hil_load_step"))) << "those of the sources are not asked";
+  const Outcome run = Call({"run", "mine/line", "--out", Out()});
+  EXPECT_EQ(run.exit, 0) << run.Both();
+  const Outcome gone = Call({"run", "pressure/hil_load_step", "--out", Out()});
+  EXPECT_EQ(gone.exit, 2) << gone.Both();
+  EXPECT_EQ(Call({"describe", "drive_line"}).exit, 0);
+}
+
+TEST_F(Installed, ComparesWithItsOwnGoldenData) {
+  const Outcome run = Call({"run", "heavy_duty/alternative_setup_1", "--out", Out()});
+  EXPECT_EQ(run.exit, 0) << run.Both();
+  const Without golden("golden/heavy_duty/alternative_setup_1.h5");
+  const Outcome without = Call({"run", "heavy_duty/alternative_setup_1", "--out", Out()});
+  EXPECT_EQ(without.exit, 1) << without.Both();
+  EXPECT_THAT(without.Both(), HasSubstr(Own("golden/heavy_duty/alternative_setup_1.h5").string()));
+}
+
+TEST_F(Installed, ReproducesAClaimOfItsOwnLedger) {
+  const Outcome claim = Call({"reproduce", "5.6.1-notch-1", "--html", (*bench_ / "atlas.html").string()});
+  EXPECT_EQ(claim.exit, 0) << claim.Both();
+  EXPECT_THAT(ReadBytes(*bench_ / "atlas.html"), HasSubstr("Fig. 5.19"));
+  const Without ledger("golden/published.toml");
+  const Outcome without = Call({"reproduce", "5.6.1-notch-1"});
+  EXPECT_EQ(without.exit, 2) << without.Both();
+  EXPECT_THAT(without.Both(), HasSubstr(Own("golden/published.toml").string()));
+}
+
+TEST_F(Installed, IsToldOtherFoldersByTheEnvironment) {
+  bench_->Write("theirs/line.toml", Bench::kLine);
+  const Outcome list = Call({"list"}, {"DYNOPROOF_SCENARIOS=" + (*bench_ / "theirs").string()});
+  EXPECT_EQ(list.exit, 0) << list.Both();
+  EXPECT_THAT(list.out, Not(HasSubstr("backlash/experiment_1")));
+  const std::string other = (*bench_ / "other_golden").string();
+  const Outcome run = Call({"run", "heavy_duty/alternative_setup_1", "--out", Out()}, {"DYNOPROOF_GOLDEN=" + other});
+  EXPECT_EQ(run.exit, 1) << run.Both();
+  EXPECT_THAT(run.Both(), HasSubstr(other + "/heavy_duty/alternative_setup_1.h5"));
+}
+
+TEST_F(Installed, LoadsALawThatWasMadeAndBuiltWithIt) {
+  const Outcome run =
+      Call({"run", (*bench_ / "stop.toml").string(), "--plugin", (*bench_ / kLaw).string(), "--out", Out()});
+  EXPECT_EQ(run.exit, 0) << run.Both();
+}
+
+TEST_F(Installed, NamesNoFolderOfTheBuildAndHasItsLicence) {
+  const std::string sources = fs::current_path().string();
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(*bench_ / "prefix")) {
+    if (!entry.is_regular_file() || entry.path().extension() == ".a") continue;
+    const std::string text = ReadBytes(entry.path());
+    for (const std::string& folder : {sources, std::string(DYNOPROOF_BUILD)})
+      EXPECT_EQ(text.find(folder), std::string::npos) << entry.path() << " names " << folder;
+  }
+  for (const char* file : {"LICENSE", "README.md"})
+    EXPECT_NE(ReadBytes(*bench_ / "prefix/share/doc/dynoproof" / file), "") << file;
 }
 
 TEST_F(Plugins, ThatAreNoneAreRefused) {

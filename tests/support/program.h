@@ -47,7 +47,8 @@ namespace detail {
 
 [[noreturn]] inline void Become(const std::vector<std::string>& arguments, const CallOptions& options) {
   // What the tests' own surroundings have set must not decide what is tested.
-  for (const char* name : {"CI", "NO_COLOR", "DYNOPROOF_SCENARIOS", "DYNOPROOF_PLUGIN_PATH", "DP_TOL_SCALE"})
+  for (const char* name :
+       {"CI", "NO_COLOR", "DYNOPROOF_SCENARIOS", "DYNOPROOF_GOLDEN", "DYNOPROOF_PLUGIN_PATH", "DP_TOL_SCALE"})
     ::unsetenv(name);
   for (const auto& [name, value] : options.environment) ::setenv(name.c_str(), value.c_str(), 1);
   if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(126);
