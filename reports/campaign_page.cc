@@ -85,16 +85,30 @@ std::string RateTable(const campaign::Summary& summary) {
   return Table(std::vector<Cell>{{"rate"}, {"of"}, {"counted", "number"}, {"share, 95 % interval", "number"}}, rows);
 }
 
-std::string WorstTable(const campaign::Rows& rows, const std::string& again) {
+/// The runs that did not pass; where all did, the one that a limit was closest to stopping.
+std::string WorstRuns(const campaign::Rows& rows, const std::string& again) {
+  const std::vector<std::int64_t> worst = campaign::WorstRuns(rows.rows, kWorst);
+  if (worst.empty()) {
+    const campaign::Row* closest = campaign::ClosestToItsLimit(rows.rows);
+    if (closest == nullptr) return "<h2>All runs passed</h2>\n";
+    return fmt::format(
+        "<h2>All runs passed</h2>\n<p>Closest to its limit: run {0}, {1} ({2:.4g} % of it). Again: <code>{3} --run "
+        "{0}</code></p>\n",
+        closest->run, Escape(closest->nearest), 100.0 * closest->used, Escape(again));
+  }
   std::string text;
-  for (const std::int64_t run : campaign::WorstRuns(rows.rows, kWorst)) {
+  for (const std::int64_t run : worst) {
     const campaign::Row& row = rows.rows[static_cast<std::size_t>(run)];
     text += Row(std::vector<Cell>{{fmt::format("{}", run), "number"},
                                   {fmt::format("<span class=\"verdict {0}\">{0}</span>", score::ToString(row.verdict))},
                                   {Escape(row.why), "wide"},
                                   {Escape(fmt::format("{} --run {}", again, run)), "key"}});
   }
-  return Table(std::vector<Cell>{{"run", "number"}, {"verdict"}, {"why"}, {"again"}}, text);
+  const auto all =
+      std::ranges::count_if(rows.rows, [](const auto& row) { return row.verdict != score::Verdict::kPass; });
+  return fmt::format("<h2>Runs that did not pass, worst first</h2>\n<p class=\"note\">{} of {}</p>\n", worst.size(),
+                     all) +
+         Table(std::vector<Cell>{{"run", "number"}, {"verdict"}, {"why"}, {"again"}}, text);
 }
 
 }  // namespace
@@ -103,8 +117,8 @@ std::string CampaignPage(const campaign::Campaign& campaign, const campaign::Row
                          const campaign::Summary& summary, const std::string& again) {
   std::string body = fmt::format("<section id=\"overview\"><h2>{}: {} runs, failing {}</h2>\n", Escape(campaign.title),
                                  summary.runs, Percent(summary.failing));
-  body += FigureTable(summary) + RateTable(summary) + "</section>\n<section id=\"worst\"><h2>Worst runs first</h2>\n" +
-          WorstTable(rows, again) + "</section>\n";
+  body += FigureTable(summary) + RateTable(summary) + "</section>\n<section id=\"worst\">" + WorstRuns(rows, again) +
+          "</section>\n";
   std::vector<Picture> pictures;
   for (std::size_t figure = 0; figure < campaign.subject->figures().size(); ++figure) {
     for (std::size_t axis = 0; axis < campaign.axes.size(); ++axis) {

@@ -104,7 +104,7 @@ function valueAt(curve, x) {
   const n = curve.x.length, i = lowerBound(curve.x, x);
   if (n === 0 || x < curve.x[0] || x > curve.x[n - 1]) return NaN;
   if (curve.x[i] === x) return curve.y[i];
-  if (curve.style === 'hold' || curve.style === 'points') return curve.y[i - 1];
+  if (['hold', 'points', 'samples'].includes(curve.style)) return curve.y[i - 1];
   const share = (x - curve.x[i - 1]) / (curve.x[i] - curve.x[i - 1]);
   return curve.y[i - 1] + share * (curve.y[i] - curve.y[i - 1]);
 }

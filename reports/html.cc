@@ -20,6 +20,8 @@ const char* ToString(Curve::Style style) {
       return "hold";
     case Curve::Style::kPoints:
       return "points";
+    case Curve::Style::kSamples:
+      return "samples";
     case Curve::Style::kCrosses:
       return "crosses";
     case Curve::Style::kCircles:
@@ -39,8 +41,9 @@ nlohmann::json ToJson(const Axis& axis) {
 /// A curve of a function of x is thinned; one that turns back would lose its way.
 nlohmann::json ToJson(const Curve& curve, std::size_t most) {
   nlohmann::json json = {{"label", curve.label}, {"style", ToString(curve.style)}, {"shown", curve.shown}};
+  const bool marks = curve.style == Curve::Style::kPoints || curve.style == Curve::Style::kSamples;
   const bool rises = std::is_sorted(curve.x.begin(), curve.x.end());
-  const auto [x, y] = Thin(curve.x, curve.y, rises && curve.style != Curve::Style::kPoints ? most : curve.x.size());
+  const auto [x, y] = Thin(curve.x, curve.y, rises && !marks ? most : curve.x.size());
   json["x"] = Pack(x);
   json["y"] = Pack(y);
   return json;

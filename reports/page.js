@@ -58,7 +58,7 @@ function paintOver(ctx, chart, px, py, box, ratio) {
     if (!curve.shown || !chart.byHand(curve)) return;
     ctx.strokeStyle = curveColour(k);
     ctx.lineWidth = 1.6 * ratio;
-    const size = (curve.style === 'points' ? 2.5 : 5) * ratio;
+    const crosses = curve.style === 'crosses', small = ['points', 'samples'].includes(curve.style);
     if (curve.style === 'line' || curve.style === 'dashed') {  // a curve in a plane
       ctx.lineWidth = 1.2 * ratio;
       ctx.beginPath();
@@ -66,27 +66,35 @@ function paintOver(ctx, chart, px, py, box, ratio) {
       ctx.stroke();
       return;
     }
-    const inSight = [];
+    const inSight = new Map();  // one mark a pixel: a campaign has more runs than a picture has room
+    let count = 0;
     for (let i = 0; i < curve.x.length; ++i) {
-      const x = px(curve.x[i]);
-      if (x >= box.left - size && x <= box.left + box.width + size) inSight.push([x, py(curve.y[i])]);
+      const x = px(curve.x[i]), y = py(curve.y[i]);
+      if (!(x >= box.left - 5 * ratio && x <= box.left + box.width + 5 * ratio) || !Number.isFinite(y)) continue;
+      inSight.set(Math.round(x) * 65536 + Math.round(y), [x, y]);
+      ++count;
     }
+    const crowded = small && count * 5 * ratio > box.width;
     // Samples of a comparison would hide the curve as long as they cannot be told apart.
-    if (curve.style === 'points' && inSight.length * 5 * ratio > box.width) return;
-    for (const [x, y] of inSight) {
-      ctx.beginPath();
-      if (curve.style === 'crosses') {
+    if (crowded && curve.style === 'samples') return;
+    const size = (crowded ? 1.2 : small ? 2.5 : 5) * ratio;
+    ctx.beginPath();
+    for (const [x, y] of inSight.values()) {
+      if (crosses) {
         ctx.moveTo(x - size, y - size);
         ctx.lineTo(x + size, y + size);
         ctx.moveTo(x - size, y + size);
         ctx.lineTo(x + size, y - size);
       } else {
+        ctx.moveTo(x + size, y);
         ctx.arc(x, y, size, 0, 2 * Math.PI);
       }
-      ctx.stroke();
     }
+    ctx.stroke();
   });
 }
+
+const MARKERS = ['points', 'samples', 'crosses', 'circles'];  // uPlot draws lines only
 
 /** A picture in its place: its data, its range, its legend. Drawn by uPlot, or plainly where the page has none. */
 class Chart {
@@ -100,7 +108,9 @@ class Chart {
     this.plane = !this.curves.every((curve) => rises(curve.x));  // curves that turn back: no function of x
     const areas = this.picture.areas;
     this.allX = extent([...this.curves.map((c) => c.x), ...areas.map((a) => a.x)], false);
-    if (this.plane) this.allX = roomy(this.allX);
+    // A mark at the very edge would be cut in two, and a range of nothing shows nothing.
+    const marked = this.curves.some((curve) => curve.style === 'points') || this.curves.every((curve) => MARKERS.includes(curve.style));
+    if (this.plane || marked || this.allX[0] === this.allX[1]) this.allX = roomy(this.allX, picture.x.log);
     this.allY = null;
     if (this.plane) this.allY = roomy(extent([...this.curves.map((c) => c.y), ...areas.map((a) => a.y)], false));
     this.x = [picture.x.from ?? this.allX[0], picture.x.to ?? this.allX[1]];
@@ -113,7 +123,7 @@ class Chart {
   }
   get width() { return Math.max(200, this.host.clientWidth); }
   /** Curves that uPlot does not draw itself. */
-  byHand(curve) { return this.plane || ['points', 'crosses', 'circles'].includes(curve.style); }
+  byHand(curve) { return this.plane || MARKERS.includes(curve.style); }
 
   /** Abscissae and ordinates to draw for the present range: one table a curve. */
   tables() {
@@ -127,7 +137,8 @@ class Chart {
     const shown = tables.filter((table, k) => this.curves[k].shown).map((table) => table[1]);
     for (const area of this.picture.areas) shown.push(area.y.filter((y, i) => area.x[i] >= from && area.x[i] <= to));
     this.curves.forEach((curve) => {
-      if (curve.shown && ['crosses', 'circles'].includes(curve.style)) shown.push(curve.y);
+      if (!curve.shown || curve.style === 'samples' || !MARKERS.includes(curve.style)) return;
+      shown.push(curve.y.filter((y, i) => curve.x[i] >= from && curve.x[i] <= to));
     });
     for (const mark of this.picture.marks) if (mark.horizontal && log) shown.push([mark.at]);
     return roomy(extent(shown, log), log);

@@ -137,9 +137,13 @@ std::string ToTable(const campaign::Campaign& campaign, const campaign::Summary&
   }
   for (const std::int64_t run : campaign::WorstRuns(rows, 5)) {
     const campaign::Row& row = rows[static_cast<std::size_t>(run)];
-    if (row.verdict == score::Verdict::kPass) break;
     text +=
         fmt::format("\nrun {} {}: {}\n  again: {} --run {}\n", run, score::ToString(row.verdict), row.why, again, run);
+  }
+  if (campaign::WorstRuns(rows, 1).empty()) {
+    if (const campaign::Row* row = campaign::ClosestToItsLimit(rows))
+      text += fmt::format("\nall passed; closest to its limit: run {}, {}\n  again: {} --run {}\n", row->run,
+                          row->nearest, again, row->run);
   }
   return text;
 }

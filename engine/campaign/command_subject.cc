@@ -103,6 +103,7 @@ class CommandSubject : public Subject {
       const auto& [name, spec] = specs_[i];
       row.figures[i] = At(found, spec.from);
       judged = judged || spec.limited();
+      row.Takes(spec.Used(row.figures[i]), spec.Limits(name, row.figures[i]));
       const std::string fault = spec.Fault(name, row.figures[i]);
       if (fault.empty()) continue;
       row.verdict = score::Verdict::kFail;

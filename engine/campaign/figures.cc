@@ -19,6 +19,21 @@ std::string FigureSpec::Fault(const std::string& name, double value) const {
   return "";
 }
 
+double FigureSpec::Used(double value) const {
+  if (std::isfinite(at_least) && std::isfinite(at_most))
+    return std::abs(value - 0.5 * (at_least + at_most)) / (0.5 * (at_most - at_least));
+  // 590 of at most 600, -610 where at most -600 is allowed; for "at least" the other way round.
+  if (std::isfinite(at_most)) return at_most > 0.0 ? value / at_most : at_most / value;
+  return at_least > 0.0 ? at_least / value : value / at_least;
+}
+
+std::string FigureSpec::Limits(const std::string& name, double value) const {
+  std::string text = fmt::format("{} is {:.6g}", name, value);
+  if (std::isfinite(at_least)) text += fmt::format(", at least {:.6g} is asked for", at_least);
+  if (std::isfinite(at_most)) text += fmt::format(", at most {:.6g} is allowed", at_most);
+  return text;
+}
+
 double Take(const FigureSpec& figure, const score::Series& course) {
   const std::span<const double> time = course.time_s, values = course.values;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -28,6 +28,11 @@ struct FigureSpec {
   bool limited() const { return std::isfinite(at_least) || std::isfinite(at_most); }
   /// What is wrong with the value; empty: nothing.
   std::string Fault(const std::string& name, double value) const;
+  /// How much of its limit a value takes, 1 at the limit: of one limit its ratio to that, between two the distance from
+  /// the middle. NaN where a single limit is zero.
+  double Used(double value) const;
+  /// "T_peak is 590, at most 600 is allowed"
+  std::string Limits(const std::string& name, double value) const;
 };
 
 /// The figure of a course; NaN where no sample counts.

@@ -68,18 +68,22 @@ Failure OfAnother(const std::string& file) {
 std::string ToLine(const Row& row) {
   json figures = json::array();
   for (const double value : row.figures) figures.push_back(std::isfinite(value) ? json(value) : json(nullptr));
-  return json{row.run, score::ToString(row.verdict), std::move(figures), row.why}.dump(-1, ' ', false,
-                                                                                       json::error_handler_t::replace);
+  const json used = std::isfinite(row.used) ? json(row.used) : json(nullptr);
+  return json{row.run, score::ToString(row.verdict), std::move(figures), row.why, used, row.nearest}.dump(
+      -1, ' ', false, json::error_handler_t::replace);
 }
 
 std::optional<Row> ParseRow(std::string_view line) {
   const json parsed = json::parse(line, nullptr, false);
-  if (!parsed.is_array() || parsed.size() != 4 || !parsed[0].is_number_integer() || !parsed[1].is_string() ||
-      !parsed[2].is_array() || !parsed[3].is_string())
+  if (!parsed.is_array() || parsed.size() != 6 || !parsed[0].is_number_integer() || !parsed[1].is_string() ||
+      !parsed[2].is_array() || !parsed[3].is_string() || !(parsed[4].is_number() || parsed[4].is_null()) ||
+      !parsed[5].is_string())
     return std::nullopt;
   const auto verdict = ParseVerdict(parsed[1].get<std::string>());
   if (!verdict) return std::nullopt;
   Row row{parsed[0].get<std::int64_t>(), *verdict, {}, parsed[3].get<std::string>()};
+  if (parsed[4].is_number()) row.used = parsed[4].get<double>();
+  row.nearest = parsed[5].get<std::string>();
   for (const json& value : parsed[2]) {
     if (!value.is_number() && !value.is_null()) return std::nullopt;
     row.figures.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());

@@ -2,7 +2,7 @@
 // same piece made twice gives the same bytes under the same name; what a run cost is no property of it and stands
 // beside, in a file of its own. Whoever has the folder can make any piece; nothing else is shared.
 //
-//   rows/BEGIN-END.jsonl   a header, then a line a run: [run, verdict, [figures], why]
+//   rows/BEGIN-END.jsonl   a header, then a line a run: [run, verdict, [figures], why, used, nearest]
 //   costs/BEGIN-END.csv    run, wall seconds, CPU seconds, largest memory of its process so far in MB
 #pragma once
 

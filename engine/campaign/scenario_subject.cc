@@ -233,6 +233,8 @@ class ScenarioSubject : public Subject {
     bool judged = !result.checks.empty();
     row.verdict = judged ? score::Combine(result.checks) : Verdict::kPass;
     for (const score::Check& check : result.checks) {
+      row.Takes(check.value / check.limit,
+                fmt::format("{}: {:.6g}, limit {:.6g}", check.name, check.value, check.limit));
       if (check.verdict == Verdict::kPass || !row.why.empty()) continue;
       row.why = check.name + ": " +
                 (check.explanation.empty() ? fmt::format("{:.6g}, limit {:.6g}", check.value, check.limit)
@@ -246,6 +248,7 @@ class ScenarioSubject : public Subject {
         row.figures[i] = found->second.value;
       }
       judged = judged || spec.limited();
+      row.Takes(spec.Used(row.figures[i]), spec.Limits(name, row.figures[i]));
       const std::string fault = spec.Fault(name, row.figures[i]);
       if (fault.empty()) continue;
       row.verdict = score::Worse(row.verdict, Verdict::kFail);

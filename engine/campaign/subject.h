@@ -2,8 +2,10 @@
 // each in a process of its own.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +19,17 @@ namespace dynoproof::campaign {
 struct Row {
   std::int64_t run = 0;
   score::Verdict verdict = score::Verdict::kFail;
-  std::vector<double> figures;  // in the order of Subject::figures(); NaN: it has none
-  std::string why;              // one line, unless the verdict is a pass
+  std::vector<double> figures;                             // in the order of Subject::figures(); NaN: it has none
+  std::string why;                                         // one line, unless the verdict is a pass
+  double used = std::numeric_limits<double>::quiet_NaN();  // largest share of a limit that a check or figure takes
+  std::string nearest = {};                                // which one, with its numbers; empty where none has a share
+
+  /// Keeps what takes more of its limit than anything before.
+  void Takes(double share, const std::string& what) {
+    if (!std::isfinite(share) || share <= used) return;
+    used = share;
+    nearest = what;
+  }
 };
 
 struct FigureInfo {

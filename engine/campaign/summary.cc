@@ -137,13 +137,21 @@ Summary Summarise(const Campaign& campaign, const std::vector<Row>& rows, const 
 
 std::vector<std::int64_t> WorstRuns(const std::vector<Row>& rows, std::size_t most) {
   std::vector<std::int64_t> worst;
-  for (const Verdict verdict : {Verdict::kBroken, Verdict::kFail, Verdict::kInconclusive, Verdict::kPass}) {
+  for (const Verdict verdict : {Verdict::kBroken, Verdict::kFail, Verdict::kInconclusive}) {
     for (const Row& row : rows) {
       if (worst.size() == most) return worst;
       if (row.verdict == verdict) worst.push_back(row.run);
     }
   }
   return worst;
+}
+
+const Row* ClosestToItsLimit(const std::vector<Row>& rows) {
+  const Row* closest = nullptr;
+  for (const Row& row : rows) {
+    if (!row.nearest.empty() && (closest == nullptr || row.used > closest->used)) closest = &row;
+  }
+  return closest;
 }
 
 }  // namespace dynoproof::campaign

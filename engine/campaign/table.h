@@ -44,8 +44,11 @@ struct Summary {
 
 Summary Summarise(const Campaign& campaign, const std::vector<Row>& rows, const std::vector<Cost>& costs);
 
-/// Runs with the worst first: broken, failing, inconclusive, then the others by their number; at most `most`.
+/// Runs that did not pass, the worst first: broken, failing, inconclusive, each by their number; at most `most`.
 std::vector<std::int64_t> WorstRuns(const std::vector<Row>& rows, std::size_t most);
+
+/// The run that takes up most of a limit; null where no run has a limit to take up.
+const Row* ClosestToItsLimit(const std::vector<Row>& rows);
 
 /// Writes table.csv, table.h5 and costs.csv into the folder.
 Status WriteTables(const Campaign& campaign, const Rows& rows, const std::vector<Cost>& costs,

@@ -52,7 +52,7 @@ void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
     std::vector<Curve> curves = std::move(shared.curves);
     if (curves.empty()) shared = *found;
     for (Curve curve : found->curves) {
-      if (curve.style == Curve::Style::kPoints) continue;  // the golden samples of each would only crowd it
+      if (curve.style == Curve::Style::kSamples) continue;  // the golden samples of each would only crowd it
       curve.label = fmt::format("{}, {}", label, curve.label);
       curves.push_back(std::move(curve));
     }

@@ -271,7 +271,7 @@ void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pic
       picture.curves.back().style = Curve::Style::kDashed;
     }
     if (const trace::Signal* kept = golden ? golden->trace.Find(line.name) : nullptr; kept != nullptr) {
-      picture.curves.push_back({"golden", ToVector(golden->trace.TimeOf(*kept)), kept->values, Curve::Style::kPoints});
+      picture.curves.push_back({"golden", ToVector(golden->trace.TimeOf(*kept)), kept->values, Curve::Style::kSamples});
     }
     outputs.push_back(std::move(picture));
   }

@@ -17,7 +17,8 @@ struct Axis {
 };
 
 struct Curve {
-  enum class Style { kLine, kDashed, kHold, kPoints, kCrosses, kCircles };
+  /// kSamples: of another curve that they are compared with; left out as long as they could not be told apart.
+  enum class Style { kLine, kDashed, kHold, kPoints, kSamples, kCrosses, kCircles };
   std::string label;
   std::vector<double> x, y;  // equal lengths; NaN in y is a gap
   Style style = Style::kLine;

@@ -1,5 +1,5 @@
 // The report in a browser, as its reader has it: opened from the disk, without a network, with mouse and keyboard.
-// Needs Debian's chromium; skipped, and said so, where that is missing.
+// Needs Debian's chromium (support/browser.h says what its absence means).
 #include "tests/support/browser.h"
 
 #include <gmock/gmock.h>
@@ -53,7 +53,7 @@ class InTheBrowser : public ::testing::Test {
     bench_ = nullptr;
   }
   void SetUp() override {
-    if (!Browser::Installed()) GTEST_SKIP() << "chromium is not installed: the report was not looked at";
+    DYNOPROOF_NEEDS_BROWSER();
     browser_ = std::make_unique<Browser>();
     browser_->Size(1200, 900);
     browser_->Open("file://" + (*bench_ / "r.html").string());

@@ -124,6 +124,31 @@ TEST_F(Campaign, GivesOneTableWhateverTheNumberOfWorkers) {
   EXPECT_THAT(strata, ::testing::Each(1)) << "a Latin hypercube has one sample in each stratum";
 }
 
+TEST_F(Campaign, WhoseRunsAllPassNamesTheOneClosestToItsLimit) {
+  std::string text = kCampaign;
+  text.replace(text.find("60.0"), 4, "1000.0");
+  bench_.Write("spread.toml", text);
+  const Outcome sweep = bench_.Call({"sweep", "spread.toml", "--html", "page.html", "--json", "s.json"});
+  ASSERT_EQ(sweep.exit, 0) << sweep.Both();
+  const nlohmann::json peak = nlohmann::json::parse(ReadBytes(bench_ / "s.json"))["figures"]["T_peak"];
+  const std::string run = "closest to its limit: run " + peak["largest_run"].dump() + ", T_peak is ";
+  EXPECT_THAT(sweep.out, HasSubstr("all passed; " + run));
+  const std::string page = ReadBytes(bench_ / "page.html");
+  EXPECT_THAT(page, HasSubstr("All runs passed"));
+  EXPECT_THAT(page, HasSubstr("C" + run.substr(1)));
+  EXPECT_THAT(page, Not(HasSubstr(">pass<"))) << "no run that passed is listed as one of the worst";
+}
+
+/// The same where checks judge, not limits of figures.
+TEST_F(Campaign, WhoseChecksAllPassNamesTheOneClosestToItsLimit) {
+  std::string text = kCampaign;
+  text.erase(text.find("at_most"), std::string("at_most = 60.0\n").size());
+  bench_.Write("spread.toml", "checks = [\"oracle\"]\n" + text);
+  const Outcome sweep = bench_.Call({"sweep", "spread.toml"});
+  ASSERT_EQ(sweep.exit, 0) << sweep.Both();
+  EXPECT_THAT(sweep.out, ::testing::ContainsRegex("all passed; closest to its limit: run [0-9]+, [^\n]*T_shaft: "));
+}
+
 TEST_F(Campaign, ARowIsWhatRunGivesForTheSameValues) {
   bench_.Write("alone.toml", std::string("batch = \"never\"\n") + kCampaign);
   ASSERT_EQ(bench_.Call({"sweep", "alone.toml"}).exit, 1);
