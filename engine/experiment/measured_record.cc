@@ -150,6 +150,10 @@ std::vector<score::Check> CompareWithRecord(const Rig& rig, const Samples& sampl
       check.explanation = Why(measured, simulated, options.limit * score::StandardDeviation(*series.values),
                               rig.outputs[FindOutput(rig, name)].unit);
     }
+    if (const std::string few = TooFew(series.values->size()); !few.empty()) {
+      check.verdict = score::Verdict::kInconclusive;
+      check.explanation = few;
+    }
     checks.push_back(std::move(check));
   }
   if (data.outputs.empty()) return checks;

@@ -300,6 +300,11 @@ class Mapper {
 
 }  // namespace
 
+std::string TooFew(std::size_t samples) {
+  if (samples >= kFewestSamples) return "";
+  return fmt::format("{} samples are too few to compare with a simulation (at least {})", samples, kFewestSamples);
+}
+
 Result<trace::Record> ReadRecord(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),

@@ -21,6 +21,11 @@ struct MappedRecord {
   double end_s = 0.0;                             // time of the last sample; the first is at 0
 };
 
+/// Fewer samples of an output say nothing about a simulation.
+inline constexpr std::size_t kFewestSamples = 100;
+/// "3 samples are too few ..."; empty where there are enough.
+std::string TooFew(std::size_t samples);
+
 /// Reads CSV, HDF5 or MAT by the file's ending.
 Result<trace::Record> ReadRecord(const std::string& file);
 

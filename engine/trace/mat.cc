@@ -107,35 +107,40 @@ std::string WhyNot(const matvar_t& variable) {
   return "";
 }
 
+/// Which entries of a variable make a column: in the order of the file columns stand one behind the other.
+struct Entries {
+  std::size_t first, count, stride;
+};
+
 template <class T>
-void Append(const matvar_t& variable, std::size_t first, std::size_t count, std::vector<double>& values) {
-  const T* const data = static_cast<const T*>(variable.data) + first;
-  values.assign(data, data + count);
+void Append(const matvar_t& variable, const Entries& entries, std::vector<double>& values) {
+  const T* const data = static_cast<const T*>(variable.data) + entries.first;
+  values.resize(entries.count);
+  for (std::size_t i = 0; i < entries.count; ++i) values[i] = static_cast<double>(data[i * entries.stride]);
 }
 
-/// Entries [first, first + count) in the order of the file, columns one behind the other.
-bool Read(const matvar_t& variable, std::size_t first, std::size_t count, std::vector<double>& values) {
+bool Read(const matvar_t& variable, const Entries& entries, std::vector<double>& values) {
   switch (variable.class_type) {
     case MAT_C_DOUBLE:
-      return Append<double>(variable, first, count, values), true;
+      return Append<double>(variable, entries, values), true;
     case MAT_C_SINGLE:
-      return Append<float>(variable, first, count, values), true;
+      return Append<float>(variable, entries, values), true;
     case MAT_C_INT8:
-      return Append<std::int8_t>(variable, first, count, values), true;
+      return Append<std::int8_t>(variable, entries, values), true;
     case MAT_C_UINT8:
-      return Append<std::uint8_t>(variable, first, count, values), true;
+      return Append<std::uint8_t>(variable, entries, values), true;
     case MAT_C_INT16:
-      return Append<std::int16_t>(variable, first, count, values), true;
+      return Append<std::int16_t>(variable, entries, values), true;
     case MAT_C_UINT16:
-      return Append<std::uint16_t>(variable, first, count, values), true;
+      return Append<std::uint16_t>(variable, entries, values), true;
     case MAT_C_INT32:
-      return Append<std::int32_t>(variable, first, count, values), true;
+      return Append<std::int32_t>(variable, entries, values), true;
     case MAT_C_UINT32:
-      return Append<std::uint32_t>(variable, first, count, values), true;
+      return Append<std::uint32_t>(variable, entries, values), true;
     case MAT_C_INT64:
-      return Append<std::int64_t>(variable, first, count, values), true;
+      return Append<std::int64_t>(variable, entries, values), true;
     case MAT_C_UINT64:
-      return Append<std::uint64_t>(variable, first, count, values), true;
+      return Append<std::uint64_t>(variable, entries, values), true;
     default:
       return false;
   }
@@ -152,9 +157,17 @@ std::string Take(mat_t* file, matvar_t& variable, Record& record) {
   std::erase(extents, 1U);
   const std::size_t rows = extents.empty() ? 1 : extents[0], columns = extents.size() < 2 ? 1 : extents[1];
   if (variable.nbytes < rows * columns * Mat_SizeOfClass(variable.class_type)) return "its data are not whole";
-  for (std::size_t j = 0; j < columns; ++j) {
-    Column column{.name = columns == 1 ? name : fmt::format("{}[{}]", name, j)};
-    if (!Read(variable, j * rows, rows, column.values)) return "its numbers are of an unknown type";
+  // Signals are longer than many: a matrix that is wider than high has one in each row.
+  const bool by_rows = columns > rows && rows > 1;
+  const std::size_t signals = by_rows ? rows : columns, samples = by_rows ? columns : rows;
+  if (by_rows)
+    record.notes.push_back(fmt::format(
+        "variable \"{0}\" is {1} x {2}: its rows are the columns \"{0}[0]\" to \"{0}[{3}]\", of {2} samples each", name,
+        rows, columns, rows - 1));
+  for (std::size_t j = 0; j < signals; ++j) {
+    Column column{.name = signals == 1 ? name : fmt::format("{}[{}]", name, j)};
+    if (!Read(variable, by_rows ? Entries{j, samples, rows} : Entries{j * rows, samples, 1}, column.values))
+      return "its numbers are of an unknown type";
     record.columns.push_back(std::move(column));
   }
   return "";

@@ -77,6 +77,22 @@ TEST_P(MatVersions, VectorsAndColumnsOfMatricesAreRead) {
   EXPECT_EQ(record->non_finite[0].first_row, 1U);
 }
 
+TEST_P(MatVersions, AMatrixThatIsWiderThanHighHasASignalInEachRow) {
+  const mat_ft version = GetParam().type;
+  WriteNumbers("t", {1, 4}, {0.0, 0.1, 0.2, 0.3}, version);
+  WriteNumbers("X", {3, 4}, {1.0, 5.0, 9.0, 2.0, 6.0, 10.0, 3.0, 7.0, 11.0, 4.0, 8.0, 12.0}, version);  // by columns
+  WriteNumbers("square", {2, 2}, {1.0, 2.0, 3.0, 4.0}, version);
+  const Result<Record> record = ReadMat(file_);
+  ASSERT_TRUE(record.ok()) << record.failure().ToString();
+  EXPECT_THAT(record->Names(), ::testing::UnorderedElementsAre("t", "X[0]", "X[1]", "X[2]", "square[0]", "square[1]"));
+  EXPECT_THAT(Values(*record, "X[0]"), ElementsAre(1.0, 2.0, 3.0, 4.0));
+  EXPECT_THAT(Values(*record, "X[2]"), ElementsAre(9.0, 10.0, 11.0, 12.0));
+  EXPECT_EQ(record->columns[*record->Find("X[1]")].time, record->Find("t"));
+  EXPECT_THAT(Values(*record, "square[0]"), ElementsAre(1.0, 2.0)) << "which side is longer cannot be said";
+  ASSERT_EQ(record->notes.size(), 1U);
+  EXPECT_THAT(record->notes[0], HasSubstr("\"X\" is 3 x 4: its rows are the columns \"X[0]\" to \"X[2]\""));
+}
+
 TEST_P(MatVersions, AFileThatWasCutIsRefused) {
   std::vector<double> values(400);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(0.1 * static_cast<double>(i));
