@@ -21,6 +21,13 @@ void Diagnostics::Error(const SourceSpan& where, std::string message, std::strin
 }
 
 void Diagnostics::Warning(const SourceSpan& where, std::string message, std::string hint, std::string more) {
+  // What is built several times, such as the source of a scenario with variants, warns once.
+  const bool known = std::any_of(items_.begin(), items_.end(), [&](const Diagnostic& item) {
+    return item.severity == Diagnostic::Severity::kWarning && item.message == message &&
+           std::tie(item.where.file, item.where.line, item.where.column) ==
+               std::tie(where.file, where.line, where.column);
+  });
+  if (known) return;
   items_.push_back({Diagnostic::Severity::kWarning, where, std::move(message), std::move(hint), std::move(more)});
 }
 

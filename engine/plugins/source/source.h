@@ -29,4 +29,8 @@ inline std::uint64_t SeedOf(std::int64_t written, const BuildContext& context) {
   return static_cast<std::uint64_t>(written != 0 ? written : context.seed);
 }
 
+/// Warns where a source goes beyond half the rate at which its values are taken: what the plant then gets is another
+/// frequency. `key` is where it was written.
+void WarnAboveHalfTheRate(double highest_Hz, const char* key, const dynoproof::Value& table, BuildContext& context);
+
 }  // namespace dynoproof::sources

@@ -1,5 +1,6 @@
 #include "plugins/source/chirp/chirp.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,6 +29,11 @@ Chirp::Chirp(const Params& params) : p_(params) {
   const double span = p_.end_Hz - p_.start_Hz;
   duration_ = p_.duration_s > 0.0 ? p_.duration_s : std::abs(span) / p_.rate_Hz_per_s;
   kappa_ = span / duration_;
+}
+
+std::unique_ptr<Chirp> Chirp::Create(const Params& params, const dynoproof::Value& table, BuildContext& context) {
+  WarnAboveHalfTheRate(std::max(params.start_Hz, params.end_Hz), "end_Hz", table, context);
+  return std::make_unique<Chirp>(params);
 }
 
 double Chirp::Value(double time_s) const {

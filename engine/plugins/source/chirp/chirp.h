@@ -4,6 +4,8 @@
 // kappa = (f_1 - f_0) / duration. The frequency at tau is f_0 + kappa tau.
 #pragma once
 
+#include <memory>
+
 #include "plugins/source/source.h"
 
 namespace dynoproof::sources {
@@ -31,6 +33,7 @@ class Chirp : public Source {
   };
   static PluginInfo Info();
   explicit Chirp(const Params& params);
+  static std::unique_ptr<Chirp> Create(const Params& params, const dynoproof::Value& table, BuildContext& context);
 
   double Value(double time_s) const override;
 

@@ -1,5 +1,6 @@
 #include "plugins/source/tones/tones.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -63,6 +64,12 @@ SineSum::SineSum(const Params& params) : offset_(params.offset), start_time_(par
   }
 }
 
+std::unique_ptr<SineSum> SineSum::Create(const Params& params, const dynoproof::Value& table, BuildContext& context) {
+  WarnAboveHalfTheRate(*std::max_element(params.frequencies_Hz.begin(), params.frequencies_Hz.end()), "frequencies_Hz",
+                       table, context);
+  return std::make_unique<SineSum>(params);
+}
+
 double SineSum::Value(double time_s) const {
   const double tau = time_s - start_time_;
   return tau < -kTimeSlack ? 0.0 : offset_ + SumOf(tones_, tau);
@@ -76,6 +83,12 @@ Multisine::Multisine(const Params& params, const BuildContext& context)
     tones_.push_back({params.rms * std::sqrt(2.0 / params.lines), params.low_Hz + i * spacing,
                       2.0 * std::numbers::pi * RandomUniform(seed, kPhaseStream, static_cast<std::uint64_t>(i))});
   }
+}
+
+std::unique_ptr<Multisine> Multisine::Create(const Params& params, const dynoproof::Value& table,
+                                             BuildContext& context) {
+  WarnAboveHalfTheRate(params.high_Hz, "high_Hz", table, context);
+  return std::make_unique<Multisine>(params, context);
 }
 
 double Multisine::Value(double time_s) const {

@@ -1,6 +1,8 @@
 // Sources that are sums of sines: `sine_sum` (given tones) and `multisine` (a band of tones with seeded random phases).
 #pragma once
 
+#include <memory>
+
 #include "plugins/source/source.h"
 
 namespace dynoproof::sources {
@@ -27,6 +29,7 @@ class SineSum : public Source {
   };
   static PluginInfo Info();
   explicit SineSum(const Params& params);
+  static std::unique_ptr<SineSum> Create(const Params& params, const dynoproof::Value& table, BuildContext& context);
   double Value(double time_s) const override;
 
  private:
@@ -55,6 +58,7 @@ class Multisine : public Source {
   };
   static PluginInfo Info();
   Multisine(const Params& params, const BuildContext& context);
+  static std::unique_ptr<Multisine> Create(const Params& params, const dynoproof::Value& table, BuildContext& context);
   double Value(double time_s) const override;
 
  private:
