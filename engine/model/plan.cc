@@ -9,10 +9,10 @@
 namespace dynoproof {
 namespace {
 
-const std::vector<std::string> kTopLevel = {"title",  "source",  "include",  "run",     "plant",
-                                            "part",   "control", "input",    "output",  "analysis",
-                                            "check",  "effect",  "record",   "variant", "prediction_window_s",
-                                            "budget", "without", "extension"};
+const std::vector<std::string> kTopLevel = {"title",  "source",  "include",   "run",     "plant",
+                                            "part",   "control", "input",     "output",  "analysis",
+                                            "check",  "effect",  "record",    "variant", "prediction_window_s",
+                                            "budget", "without", "extension", "format"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {
@@ -119,7 +119,7 @@ void ExtensionSpec::Check(Faults& faults) const {
 std::optional<ExtensionSpec> ReadExtension(const Plan& plan, Diagnostics& diagnostics) {
   const Value* table = SectionTable(plan, "extension", "write [extension] with of = \"...\"", diagnostics);
   ExtensionSpec spec;
-  if (table == nullptr || !ReadParams(*table, spec, diagnostics, "extension")) return std::nullopt;
+  if (table == nullptr || !ReadParams(*table, spec, diagnostics, "extension", {"start"})) return std::nullopt;
   return spec;
 }
 

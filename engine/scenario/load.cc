@@ -87,6 +87,24 @@ void Include(Value& base, Value patch) {
   MergeInto(base, patch);
 }
 
+/// Whether this program reads the format that a file says it has.
+bool KnownFormat(const Value& root, Diagnostics& diagnostics) {
+  constexpr std::int64_t kNewest = 1;
+  const Value* format = root.Find("format");
+  if (format == nullptr) return true;
+  if (!format->is_integer() || format->integer() < 1) {
+    diagnostics.Error(format->where(), "\"format\" is no version of the scenario format",
+                      fmt::format("write format = {}", kNewest));
+    return false;
+  }
+  if (format->integer() <= kNewest) return true;
+  diagnostics.Error(
+      format->where(),
+      fmt::format("the file is of format {}, this program reads formats up to {}", format->integer(), kNewest),
+      "take a newer dynoproof, which says so by `dynoproof --version`, or write the file for format 1");
+  return false;
+}
+
 /// The file with its includes merged below it. `open` holds the files being read, to find circles.
 std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan& asked_by, std::set<std::string>& open,
                                       Diagnostics& diagnostics) {
@@ -97,7 +115,7 @@ std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan&
     return std::nullopt;
   }
   std::optional<Value> own = ParseFile(file, asked_by, diagnostics);
-  if (!own) {
+  if (!own || !KnownFormat(*own, diagnostics)) {
     open.erase(canonical);
     return std::nullopt;
   }
@@ -301,6 +319,7 @@ std::optional<Plan> LoadPlan(const std::string& file, const std::vector<std::str
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     Override(*root, overrides[i], static_cast<int>(i) + 1, diagnostics);
   }
+  if (!KnownFormat(*root, diagnostics)) return std::nullopt;
   return Plan{ScenarioId(file), file, std::move(*root)};
 }
 
