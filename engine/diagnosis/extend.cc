@@ -37,13 +37,22 @@ std::string NominalOf(const Study& study, const DiagnoseOptions& options) {
   return file == by_id ? study.plan().id : file.generic_string();
 }
 
-/// [extension]. `set` stands there even with nothing in it: the extension of an extension would inherit the other's.
-std::string ExtensionTable(const Study& study, const DiagnoseOptions& options) {
-  Value::Array set, data;
+/// [extension]. Lists stand there even with nothing in them: the extension of an extension would inherit the other's.
+/// The start belongs to these records; a run that another one drives begins where that does.
+std::string ExtensionTable(const Study& study, const Fit& fit, const DiagnoseOptions& options) {
+  Value::Array set, data, start;
+  for (std::size_t i = 0; i < study.doubts().size(); ++i) {
+    const Doubt& doubt = study.doubts()[i];
+    if (!doubt.start || (fit.hypothesis.z[i] == 0.0 && study.plan().root.FindPath(doubt.path) == nullptr)) continue;
+    start.emplace_back(
+        fmt::format("{}={}", doubt.path, Number(ValueOf(doubt, fit.hypothesis.z[i], study.plan()).value)));
+  }
   for (const std::string& change : options.overrides) set.emplace_back(change);
   for (const MappedRecord& record : study.records()) data.emplace_back(HashOf(record.file));
-  return ToToml(Value{
-      {"extension", Value{{"of", NominalOf(study, options)}, {"set", std::move(set)}, {"data", std::move(data)}}}});
+  return ToToml(Value{{"extension", Value{{"of", NominalOf(study, options)},
+                                          {"set", std::move(set)},
+                                          {"data", std::move(data)},
+                                          {"start", std::move(start)}}}});
 }
 
 Result<std::string> Write(const DiagnoseOptions& options, const char* name, const std::string& text) {
@@ -158,7 +167,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     lines.emplace_back(table, text_of);
     tables.insert(table);
   }
-  text += ExtensionTable(study, options);
+  text += ExtensionTable(study, fit, options);
   for (const std::string& table : tables) {
     text += fmt::format("\n[{}]\n", table);
     for (const auto& [in, line] : lines) {

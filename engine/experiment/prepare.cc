@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -189,6 +190,35 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 
+namespace {
+
+/// [extension] start: "KEY=NUMBER", the state that was fitted along to the records of [extension] data. It belongs to
+/// those and to no other. True where the plan now starts there.
+bool StartAsFitted(const MappedRecord& data, Plan& plan, Diagnostics& diagnostics) {
+  const Value *start = plan.root.FindPath("extension.start"), *hashes = plan.root.FindPath("extension.data");
+  if (start == nullptr || !start->is_array() || hashes == nullptr || !hashes->is_array()) return false;
+  const std::string hash = HashOf(data.file);
+  const bool fitted = !hash.empty() && std::ranges::any_of(hashes->array(), [&hash](const Value& one) {
+    return one.is_string() && one.string() == hash;
+  });
+  if (!fitted) return false;
+  for (const Value& item : start->array()) {
+    const std::string text = item.is_string() ? item.string() : "";
+    const std::size_t equals = text.find('='), dot = text.substr(0, equals).rfind('.');
+    const Value number = equals == std::string::npos ? Value() : ParseTomlValue(text.substr(equals + 1));
+    Value* table = dot == std::string::npos ? nullptr : plan.root.FindPath(text.substr(0, dot));
+    if (!number.is_number() || table == nullptr || !table->is_table()) {
+      diagnostics.Error(item.where(), fmt::format("\"{}\" is no start of this scenario", text),
+                        "write start = [\"path.to.key=NUMBER\"]");
+      continue;
+    }
+    (*table)[text.substr(dot + 1, equals - dot - 1)] = number;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics) {
   const int before = diagnostics.error_count();
@@ -199,8 +229,11 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
                       "shorten the record: rows = [FIRST, LAST] in the map file");
   }
   if (!plan) return nullptr;
-  if (options.data != nullptr) StartFromRecord(*options.data, *plan);
+  const bool as_fitted = options.data != nullptr && StartAsFitted(*options.data, *plan, diagnostics);
+  if (options.data != nullptr && !as_fitted) StartFromRecord(*options.data, *plan);
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
+  if (prepared != nullptr && as_fitted)
+    prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");
   if (prepared != nullptr && !options.overrides.empty()) {
     prepared->notes.push_back("changed by --set; golden traces and stated limits belong to the scenario as written");
   }
