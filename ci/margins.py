@@ -16,8 +16,7 @@ def share(check):
         return None
     if value is None or limit is None:
         return math.inf
-    # `limit` is the least value of a check that passes above it, or fails below.
-    if (check["verdict"] == "pass") != (value <= limit):
+    if check["limit_is"] == "at_least":
         return limit / value if value > 0 else math.inf
     return value / limit
 

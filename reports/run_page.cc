@@ -21,6 +21,10 @@ std::string Number(double value, const std::string& unit) {
   return Escape(fmt::format("{:.4g}{}", value, unit == "1" || unit.empty() ? "" : " " + unit));
 }
 
+std::string LimitOf(const Check& check) {
+  return (check.at_least ? "at least " : "") + Number(check.limit, check.unit);
+}
+
 std::string Badge(Verdict verdict) {
   return fmt::format("<span class=\"verdict {0}\">{0}</span>", score::ToString(verdict));
 }
@@ -39,7 +43,7 @@ std::string Overview(const std::vector<const ScenarioResult*>& results) {
                                   {fmt::format("{}", failed), "number"},
                                   {last, "wide"},
                                   {worst != nullptr ? Number(worst->value, worst->unit) : "", "number"},
-                                  {worst != nullptr ? Number(worst->limit, worst->unit) : "", "number"}});
+                                  {worst != nullptr ? LimitOf(*worst) : "", "number"}});
   }
   return Table(std::vector<Cell>{{"scenario"},
                                  {"verdict"},
@@ -66,7 +70,7 @@ std::string ScoreCard(const ScenarioResult& result) {
                                   {Escape(check->kind)},
                                   {Badge(check->verdict)},
                                   {Number(check->value, check->unit), "number"},
-                                  {Number(check->limit, check->unit), "number"},
+                                  {LimitOf(*check), "number"},
                                   {Escape(origin), "wide"},
                                   {Escape(check->explanation), "wide"}});
   }

@@ -32,6 +32,7 @@ const char* Colour(Verdict verdict) {
 /// How much of its limit a check used; infinite for one that never came to a number.
 double Share(const Check& check) {
   if (!std::isfinite(check.value) || !std::isfinite(check.limit)) return INFINITY;
+  if (check.at_least) return check.value > 0.0 ? check.limit / check.value : INFINITY;
   return check.limit > 0.0 ? check.value / check.limit : (check.value > check.limit ? INFINITY : 0.0);
 }
 
@@ -42,7 +43,8 @@ int Failed(const ScenarioResult& result) {
 
 std::string Limit(const Check& check) {
   const std::string unit = check.unit == "1" ? "" : " " + check.unit;
-  return fmt::format("{:.3g}{} (limit {:.3g}{})", check.value, unit, check.limit, unit);
+  return fmt::format("{:.3g}{} ({} {:.3g}{})", check.value, unit, check.at_least ? "at least" : "limit", check.limit,
+                     unit);
 }
 
 /// A piece of Markdown inside a line or a table cell: no line breaks, no pipes, no HTML; a long one is cut short.
@@ -126,6 +128,7 @@ nlohmann::json ToJson(const std::vector<ScenarioResult>& results) {
                                     {"verdict", score::ToString(check.verdict)},
                                     {"value", Number(check.value)},
                                     {"limit", Number(check.limit)},
+                                    {"limit_is", check.at_least ? "at_least" : "at_most"},
                                     {"unit", check.unit},
                                     {"origin", check.origin},
                                     {"explanation", check.explanation}});
@@ -247,19 +250,21 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour) {
   return text;
 }
 
-std::string ToCards(const std::vector<ScenarioResult>& results, const std::string& again, bool colour) {
+std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<std::string, std::string>& again,
+                    bool colour) {
   std::string text;
   for (const ScenarioResult& result : results) {
+    const std::string& command = again.at(result.id);
     if (!result.broken.empty()) {
-      text += fmt::format("\n{} {}\n  what   the run broke: {}\n  again  {} {}\n", Paint("1;31", "BROKEN", colour),
-                          result.id, result.broken, again, result.id);
+      text += fmt::format("\n{} {}\n  what   the run broke: {}\n  again  {}\n", Paint("1;31", "BROKEN", colour),
+                          result.id, result.broken, command);
     }
     for (const Check& check : result.checks) {
       if (check.verdict == Verdict::kPass) continue;
       text += fmt::format(
-          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n  again  {} {}\n",
+          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n  again  {}\n",
           Paint(Colour(check.verdict), check.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED", colour),
-          result.id, check.name, Limit(check), check.explanation, check.origin, again, result.id);
+          result.id, check.name, Limit(check), check.explanation, check.origin, command);
       for (const std::string& note : result.notes) text += fmt::format("  note   {}\n", note);
     }
   }

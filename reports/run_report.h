@@ -1,6 +1,7 @@
 // What `run` found out, for machines and for people: JSON, JUnit XML, Markdown, a table on the terminal.
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -24,8 +25,9 @@ std::string ToMarkdown(const std::vector<ScenarioResult>& results, std::size_t m
 
 /// The table at the end of a run: scenario, checks done and failed, worst check.
 std::string ToTable(const std::vector<ScenarioResult>& results, bool colour);
-/// One card per failed check that a person understands in a minute. `again` is the command without the scenario's id.
-std::string ToCards(const std::vector<ScenarioResult>& results, const std::string& again, bool colour);
+/// One card per failed check that a person understands in a minute. `again`: by id, the command that shows it again.
+std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<std::string, std::string>& again,
+                    bool colour);
 
 /// Results with the worst first: broken, fail, inconclusive, pass; else in their order.
 std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results);

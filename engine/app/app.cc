@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "base/atomic_file.h"
 #include "model/plugin_loader.h"
@@ -17,17 +17,6 @@ void Print(const Common& common, const std::string& text) {
   std::fputs(text.c_str(), common.json == "-" ? stderr : stdout);
 }
 
-void Complain(const std::string& text) { std::fputs(text.c_str(), stderr); }
-
-int Report(const Diagnostics& diagnostics) {
-  ClearProgress();
-  Complain(diagnostics.Format(ColourOn(STDERR_FILENO)));
-  if (!diagnostics.has_errors()) return kGood;
-  const int count = diagnostics.error_count();
-  Complain(fmt::format("{} error{}\n", count, count == 1 ? "" : "s"));
-  return kUsage;
-}
-
 int WriteText(const std::string& file, const std::string& text) {
   const Status failed = WriteFileAtomically(file, text);
   if (!failed) return kGood;
@@ -37,7 +26,7 @@ int WriteText(const std::string& file, const std::string& text) {
 
 int WriteHtml(const std::string& file, const std::string& page) {
   if (!reports::HasPlotLibrary())
-    Complain("uPlot could not be fetched when this program was built: the page draws its pictures plainly\n");
+    Note("uPlot could not be fetched when this program was built: the page draws its pictures plainly\n");
   return WriteText(file, page);
 }
 
@@ -64,13 +53,6 @@ bool CanWrite(const std::vector<std::string>& files) {
   return good;
 }
 
-int WriteJson(const Common& common, const nlohmann::json& document) {
-  if (common.json.empty()) return kGood;
-  const std::string text = document.dump(2) + "\n";
-  if (common.json != "-") return WriteText(common.json, text);
-  return std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0 ? kGood : kBroken;
-}
-
 bool IsTerminal(int descriptor) { return isatty(descriptor) == 1; }
 
 bool ColourOn(int descriptor) {
@@ -89,12 +71,12 @@ std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagno
 
 void ShowProgress(const std::string& what, double fraction) {
   if (!IsTerminal(STDERR_FILENO)) return;
-  Complain(fmt::format("\r\033[K{:>3.0f} %  {}", 100.0 * fraction, what));
+  fmt::print(stderr, "\r\033[K{:>3.0f} %  {}", 100.0 * fraction, what);
   std::fflush(stderr);
 }
 
 void ClearProgress() {
-  if (IsTerminal(STDERR_FILENO)) Complain("\r\033[K");
+  if (IsTerminal(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
 }
 
 void AddCommon(CLI::App& command, Common& common) {

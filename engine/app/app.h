@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "app/answer.h"
 #include "base/diagnostics.h"
 #include "model/registry.h"
 
@@ -23,12 +23,6 @@ struct Common {
 
 /// Text to the table stream: stdout, or stderr when the JSON goes to stdout.
 void Print(const Common& common, const std::string& text);
-/// Messages and progress.
-void Complain(const std::string& text);
-/// All diagnostics to stderr; kUsage when there are errors, else kGood.
-int Report(const Diagnostics& diagnostics);
-/// Writes the document where --json says; kGood or kBroken.
-int WriteJson(const Common& common, const nlohmann::json& document);
 /// Writes a file atomically and complains when that fails; kGood or kBroken.
 int WriteText(const std::string& file, const std::string& text);
 /// The same for a report page; says on stderr when its pictures are drawn without uPlot.

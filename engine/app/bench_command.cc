@@ -85,13 +85,15 @@ int Bench(const BenchArguments& arguments) {
                           {"checks", nlohmann::json::array()}};
     for (const double q : {0.5, 0.9, 0.99, 0.999, 1.0}) one["quantiles_us"][fmt::format("{}", q)] = timing->Quantile(q);
     for (const score::Check& check : checks) {
-      Print(arguments.common, fmt::format("  {:<32}{:>12.3g} {:<4} limit {:<10.3g} {}\n", check.name, check.value,
-                                          check.unit, check.limit, Word(check.verdict)));
+      Print(arguments.common,
+            fmt::format("  {:<32}{:>12.3g} {:<4} {} {:<10.3g} {}\n", check.name, check.value, check.unit,
+                        check.at_least ? "at least" : "limit   ", check.limit, Word(check.verdict)));
       one["checks"].push_back({{"name", check.name},
                                {"kind", check.kind},
                                {"verdict", Word(check.verdict)},
                                {"value", check.value},
                                {"limit", check.limit},
+                               {"limit_is", check.at_least ? "at_least" : "at_most"},
                                {"unit", check.unit},
                                {"origin", check.origin},
                                {"explanation", check.explanation}});
@@ -103,12 +105,12 @@ int Bench(const BenchArguments& arguments) {
       Complain(fmt::format("{}: states no [budget]: nothing was compared\n", subject.prepared->plan.id));
       exit = reports::WorseExit(exit, kUndecided);
     }
-    for (const std::string& note : timing->notes) Complain(note + "\n");
+    for (const std::string& note : timing->notes) Note(note + "\n");
     document["scenarios"].push_back(std::move(one));
   }
   if (subjects.empty()) Complain("no scenario states a [budget]: nothing was compared\n");
-  document["exit"] = exit;
-  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+  KeepJson(std::move(document));
+  return exit;
 }
 
 }  // namespace

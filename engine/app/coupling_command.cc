@@ -120,7 +120,8 @@ int Run(const Arguments& arguments) {
                                   {"residual", {{"k", Number(off_k)}, {"c", Number(off_c)}}}});
   }
   Print(arguments.common, text);
-  return WriteJson(arguments.common, document);
+  KeepJson(std::move(document));
+  return kGood;
 }
 
 }  // namespace

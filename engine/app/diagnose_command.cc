@@ -1,13 +1,12 @@
 // dynoproof diagnose
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
+#include "app/interruption.h"
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
 #include "diagnosis/diagnose.h"
@@ -26,13 +25,6 @@ struct DiagnoseArguments {
   bool strict = false, resume = false;
 };
 
-/// At once, not after the fit that is on its way: what is saved is whole at any time, and no result is half there.
-void Interrupt(int) {
-  constexpr char kMessage[] = "\ninterrupted: --resume goes on from the fits that are saved\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
-  ::_exit(kUndecided);
-}
-
 int Diagnose(const DiagnoseArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
@@ -46,6 +38,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
       return kUndecided;
     }
   }
+  Diagnostics faults;
   // A fault of the record would be explained as one of the machine: it stops here.
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
@@ -56,12 +49,11 @@ int Diagnose(const DiagnoseArguments& arguments) {
         return findings.failure().exit_code;
       }
       for (const diagnosis::Finding& finding : *findings) {
-        if (finding.fault)
-          diagnostics.Error({record.file}, finding.column + ": " + finding.text, "dynoproof check-data");
+        if (finding.fault) faults.Error({record.file}, finding.column + ": " + finding.text, "dynoproof check-data");
       }
     }
   }
-  if (Report(diagnostics) != kGood) return kUsage;
+  if (Report(faults) != kGood) return kUsage;
   std::vector<std::string> shortened;
   for (auto* records : {&measured->data, &measured->holdout}) {
     if (std::string note = diagnosis::KeepTo(diagnosis::kMostSamples, *records); !note.empty())
@@ -74,17 +66,16 @@ int Diagnose(const DiagnoseArguments& arguments) {
   options.scenario_file = measured->file;
   options.overrides = arguments.overrides;
   options.resume = arguments.resume;
-  std::signal(SIGINT, Interrupt);
-  std::signal(SIGTERM, Interrupt);
   std::mutex screen;
   options.progress = [&screen](const std::string& what, double fraction) {
     const std::lock_guard<std::mutex> lock(screen);
     ShowProgress(what, fraction);
   };
-  Result<diagnosis::Diagnosis> result =
-      diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  Result<diagnosis::Diagnosis> result = [&] {
+    const Interruption interruption(arguments.common,
+                                    [] { return "interrupted: --resume goes on from the fits that are saved\n"; });
+    return diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
+  }();
   ClearProgress();
   if (!result.ok()) {
     Complain(result.failure().ToString() + "\n");
@@ -92,7 +83,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   }
   result->notes.insert(result->notes.end(), shortened.begin(), shortened.end());
   Print(arguments.common, diagnosis::ToTable(*result));
-  for (const std::string& note : result->notes) Complain(note + "\n");
+  for (const std::string& note : result->notes) Note(note + "\n");
   const bool open =
       result->verdict == diagnosis::Verdict::kAmbiguous || result->verdict == diagnosis::Verdict::kUnexplained;
   const int exit = arguments.strict && open ? kUndecided : kGood;
@@ -104,9 +95,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
                                                                pictures.ok() ? *pictures : std::vector<Picture>()));
     if (!pictures.ok()) written = kBroken;
   }
-  nlohmann::json document = diagnosis::ToJson(*result);
-  document["exit"] = exit;
-  return reports::WorseExit(reports::WorseExit(exit, written), WriteJson(arguments.common, document));
+  KeepJson(diagnosis::ToJson(*result));
+  return reports::WorseExit(exit, written);
 }
 
 }  // namespace

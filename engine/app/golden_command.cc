@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/extension.h"
+#include "base/text.h"
 #include "experiment/build_info.h"
 #include "experiment/golden.h"
 #include "experiment/prepare.h"
@@ -43,9 +44,12 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
   const std::vector<ScenarioResult> results = {result};
   const bool colour = ColourOn(common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
   Print(common, reports::ToTable(results, colour));
-  Print(common, reports::ToCards(results, "dynoproof compare " + a, colour));
+  std::string again = fmt::format("dynoproof compare {} {}", ShellQuoted(a), ShellQuoted(b));
+  if (!tolerance_file.empty()) again += " --tolerance " + ShellQuoted(tolerance_file);
+  Print(common, reports::ToCards(results, {{b, again}}, colour));
   const int exit = reports::ExitCode(results);
-  return reports::WorseExit(exit, WriteJson(common, reports::ToJson(results)));
+  KeepJson(reports::ToJson(results));
+  return exit;
 }
 
 /// The standard output of a command, or nothing when it failed.
@@ -56,13 +60,6 @@ std::optional<std::string> OutputOf(const std::string& command) {
   char buffer[256];
   while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
   return pclose(pipe) == 0 ? std::optional(text) : std::nullopt;
-}
-
-/// A word that the shell takes as it is.
-std::string ShellQuoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
 }
 
 /// Why a run of this program must not become golden in the repository of `tree`. Only its own repository knows the
@@ -209,7 +206,8 @@ int Bless(const BlessArguments& arguments) {
                              {"reason", kept_reason},
                              {"golden", {prepared->golden.trace, prepared->golden.tolerances}}};
   if (*evidence) document["evidence"] = diagnosis::ToJson(**evidence);
-  return WriteJson(common, document);
+  KeepJson(std::move(document));
+  return kGood;
 }
 
 }  // namespace

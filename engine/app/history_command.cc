@@ -81,11 +81,8 @@ int Add(const HistoryArguments& arguments) {
   if (Status failed = store->Add(night, readings)) return Fail(*failed);
   Print(arguments.common, fmt::format("{}: {} readings of {}, commit {}, on {}\n", arguments.database, readings.size(),
                                       night.time, night.commit, night.machine));
-  return WriteJson(arguments.common, {{"exit", 0},
-                                      {"readings", readings.size()},
-                                      {"time", night.time},
-                                      {"commit", night.commit},
-                                      {"machine", night.machine}});
+  KeepJson({{"readings", readings.size()}, {"time", night.time}, {"commit", night.commit}, {"machine", night.machine}});
+  return kGood;
 }
 
 /// "▁▂▇": the newest values of a series.
@@ -111,8 +108,7 @@ std::string Sparkline(const history::Series& series, std::size_t last) {
 }
 
 nlohmann::json ToJson(const History& history, const history::Watch& watch) {
-  nlohmann::json document = {{"exit", watch.exit_code},
-                             {"nights", history.nights.size()},
+  nlohmann::json document = {{"nights", history.nights.size()},
                              {"compared", watch.compared},
                              {"too_short", watch.too_short},
                              {"findings", nlohmann::json::array()}};
@@ -142,7 +138,7 @@ int Show(const HistoryArguments& arguments) {
   Print(arguments.common,
         fmt::format("{} nights on {}, the last {} of commit {}\n\n", history->nights.size(),
                     history->nights.back().machine, history->nights.back().time, history->nights.back().commit));
-  nlohmann::json document = {{"exit", 0}, {"series", nlohmann::json::array()}};
+  nlohmann::json document = {{"series", nlohmann::json::array()}};
   std::size_t shown = 0;
   for (const history::Series& series : history->series) {
     if (series.name.find(arguments.series) == std::string::npos) continue;
@@ -157,12 +153,12 @@ int Show(const HistoryArguments& arguments) {
   }
   if (shown == 0) Complain(fmt::format("no series has \"{}\" in its name\n", arguments.series));
   int exit = shown == 0 ? kUndecided : kGood;
-  document["exit"] = exit;
   if (!arguments.html.empty()) {
     exit = reports::WorseExit(exit,
                               WriteHtml(arguments.html, reports::TrendPage(*history, Look(*history, arguments.watch))));
   }
-  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+  KeepJson(std::move(document));
+  return exit;
 }
 
 int Check(const HistoryArguments& arguments) {
@@ -186,7 +182,8 @@ int Check(const HistoryArguments& arguments) {
   int exit = watch.exit_code;
   if (!arguments.html.empty())
     exit = reports::WorseExit(exit, WriteHtml(arguments.html, reports::TrendPage(*history, watch)));
-  return reports::WorseExit(exit, WriteJson(arguments.common, ToJson(*history, watch)));
+  KeepJson(ToJson(*history, watch));
+  return exit;
 }
 
 void AddDatabase(CLI::App& command, HistoryArguments& arguments) {

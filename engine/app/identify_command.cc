@@ -12,7 +12,11 @@
 #include "app/app.h"
 #include "app/measured.h"
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "diagnosis/identify.h"
+#include "experiment/settings.h"
+#include "model/effect.h"
+#include "scenario/load.h"
 
 namespace dynoproof::app {
 namespace {
@@ -60,8 +64,37 @@ void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, D
                     "KEY=LOW:HIGH, e.g. plant.inertia.I5=0.01:10");
 }
 
+/// The number that was most likely meant, of those that are written and of the defaults.
+std::string NumberMeant(const std::string& key, const Registry& registry, const Plan& plan) {
+  std::vector<std::string> numbers;
+  for (const Setting& one : SettingsOf(plan, registry)) {
+    if (ParseTomlValue(one.value).is_number()) numbers.push_back(one.path);
+  }
+  const std::optional<std::string> near = Closest(key, numbers);
+  std::string hint = near ? fmt::format("did you mean \"{}\"?", *near) : "a dotted path such as plant.inertia.I5";
+  const std::size_t dot = key.rfind('.');
+  const Value* table = dot == std::string::npos ? nullptr : plan.root.FindPath(key.substr(0, dot));
+  if (table != nullptr && table->is_table())
+    hint += fmt::format(" Where the scenario leaves it to its default: --set {}=VALUE", key);
+  return hint;
+}
+
+/// Writes the default of a number that the scenario leaves out into the plan, where there is one.
+void WriteDefault(const std::string& key, const Registry& registry, Plan& plan) {
+  const std::vector<Setting> settings = SettingsOf(plan, registry);
+  const auto setting =
+      std::find_if(settings.begin(), settings.end(), [&key](const Setting& one) { return one.path == key; });
+  const std::size_t dot = key.rfind('.');
+  if (setting == settings.end() || setting->from != Setting::kDefault || dot == std::string::npos) return;
+  const Value value = ParseTomlValue(setting->value);
+  Value* table = plan.root.FindPath(key.substr(0, dot));
+  // A whole number is a count or a seed.
+  if (table != nullptr && table->is_table() && value.is_number() && setting->type == "number")
+    (*table)[key.substr(dot + 1)] = Value(value.number());
+}
+
 /// The numbers to fit, each with a magnitude to search around.
-std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Plan& plan,
+std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Registry& registry, Plan& plan,
                                          Diagnostics& diagnostics) {
   std::vector<diagnosis::FreeKey> keys;
   for (const std::string& key : arguments.free) {
@@ -72,10 +105,11 @@ std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, con
   }
   for (const std::string& bound : arguments.bounds) ReadBound(bound, keys, diagnostics);
   for (const diagnosis::FreeKey& free : keys) {
+    if (plan.root.FindPath(free.key) == nullptr) WriteDefault(free.key, registry, plan);
     const Value* value = plan.root.FindPath(free.key);
     if (value == nullptr || !value->is_number())
       diagnostics.Error({"--free"}, fmt::format("\"{}\" is no number of the scenario", free.key),
-                        "a dotted path such as plant.inertia.I5");
+                        NumberMeant(free.key, registry, plan));
     else if (value->number() == 0.0 && !free.bounds)
       diagnostics.Error({"--free"}, fmt::format("\"{}\" is 0: it gives no magnitude to search around", free.key),
                         fmt::format("--bound {0}=LOW:HIGH, or --set {0}=VALUE", free.key));
@@ -119,16 +153,21 @@ void CheckOut(const IdentifyArguments& arguments, const MeasuredCase& measured, 
 int Identify(const IdentifyArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  const std::optional<MeasuredCase> measured =
+  std::optional<MeasuredCase> measured =
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, {}, arguments.overrides, *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
-  const std::vector<diagnosis::FreeKey> keys = FreeKeys(arguments, measured->plan, diagnostics);
-  CheckOut(arguments, *measured, diagnostics);
-  if (Report(diagnostics) != kGood) return kUsage;
+  Diagnostics wrong;
+  const std::vector<diagnosis::FreeKey> keys = FreeKeys(arguments, *registry, measured->plan, wrong);
+  CheckOut(arguments, *measured, wrong);
+  if (Report(wrong) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
-    for (const std::string& note : record.notes) Complain(fmt::format("{}: {}\n", record.file, note));
-    if (!record.outputs.empty()) continue;
-    Complain(fmt::format("{}: no output of the scenario is in it: nothing to compare\n", record.file));
+    for (const std::string& note : record.notes) Note(fmt::format("{}: {}\n", record.file, note));
+    std::string why = record.outputs.empty() ? "no output of the scenario is in it: nothing to compare" : "";
+    for (const auto& [name, series] : record.outputs) {
+      if (why.empty()) why = TooFew(series.values->size());
+    }
+    if (why.empty()) continue;
+    Complain(fmt::format("{}: {}\n", record.file, why));
     return kUndecided;
   }
   const Result<diagnosis::Identified> result = diagnosis::Identify(
@@ -145,17 +184,20 @@ int Identify(const IdentifyArguments& arguments) {
   if (!arguments.out.empty()) {
     const std::filesystem::path out = Whole(arguments.out);
     const std::string include = Whole(measured->file).lexically_relative(out.parent_path()).generic_string();
+    Diagnostics known;  // reported when the scenario was loaded
+    const std::optional<Plan> written = LoadPlan(measured->file, arguments.overrides, known);
+    Plan applied = *written;
+    ApplyEffects(*registry, applied, known);
     if (Status failed =
-            WriteFileAtomically(out, diagnosis::ToScenario(*result, measured->plan, include, arguments.overrides))) {
+            WriteFileAtomically(out, diagnosis::ToScenario(*result, applied, *written, include, arguments.overrides))) {
       Complain(failed->ToString() + "\n");
       exit = failed->exit_code;
     } else {
       document["scenario"] = arguments.out;
     }
   }
-  document["exit"] = exit;
-  const int written = WriteJson(arguments.common, document);
-  return written == kGood ? exit : written;
+  KeepJson(std::move(document));
+  return exit;
 }
 
 }  // namespace

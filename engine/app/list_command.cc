@@ -8,6 +8,7 @@
 #include "app/app.h"
 #include "app/examples.h"
 #include "experiment/prepare.h"
+#include "experiment/warnings.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
@@ -49,7 +50,8 @@ int List(const Common& common) {
     document["checks"].push_back({{"kind", kind.name}, {"summary", kind.summary}});
   }
   Print(common, text);
-  return WriteJson(common, document);
+  KeepJson(std::move(document));
+  return kGood;
 }
 
 std::string ParameterTable(const std::vector<ParamInfo>& parameters) {
@@ -236,7 +238,8 @@ int Describe(const Common& common, const std::string& name) {
   }
   if (Report(diagnostics) != kGood) return kUsage;
   Print(common, text);
-  return WriteJson(common, document);
+  KeepJson(std::move(document));
+  return kGood;
 }
 
 int Validate(const Common& common, const std::vector<std::string>& names) {
@@ -246,26 +249,21 @@ int Validate(const Common& common, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     for (const std::string& file : FindScenarios(name, all)) {
       Diagnostics own;
-      const std::unique_ptr<Prepared> prepared = Prepare(file, {}, *registry, own);
-      if (prepared != nullptr) ChecksApply(prepared->checks, prepared->plan, *prepared->rig, own);
+      if (const std::unique_ptr<Prepared> prepared = Prepare(file, {}, *registry, own)) {
+        ChecksApply(prepared->checks, prepared->plan, *prepared->rig, own);
+        AddWarnings(*prepared, own);
+      }
       nlohmann::json faults = nlohmann::json::array();
       for (const Diagnostic& item : own.items()) {
-        faults.push_back({{"file", item.where.file},
-                          {"line", item.where.line},
-                          {"column", item.where.column},
-                          {"severity", item.severity == Diagnostic::Severity::kError ? "error" : "warning"},
-                          {"message", item.message},
-                          {"hint", item.hint}});
+        faults.push_back(AsJson(item));
       }
       document["files"].push_back({{"file", file}, {"valid", !own.has_errors()}, {"diagnostics", faults}});
       if (!own.has_errors()) Print(common, fmt::format("{}: valid\n", file));
       all.Append(own);
     }
   }
-  const int exit = Report(all);
-  document["exit"] = exit;
-  const int written = WriteJson(common, document);
-  return exit != kGood ? exit : written;
+  KeepJson(std::move(document));
+  return Report(all);
 }
 
 }  // namespace

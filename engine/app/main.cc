@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/measured.h"
+#include "app/usage.h"
 #include "experiment/build_info.h"
 
 int main(int argc, char** argv) {
@@ -41,15 +42,15 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool asked = error.get_exit_code() == 0;  // --help, --version
-    program.exit(error);
-    return asked ? app::kGood : app::kUsage;
+    // Help and version are asked for; a table of them is no document.
+    if (error.get_exit_code() == 0) return program.exit(error);
+    exit = app::Report(app::UsageFaults(program, error));
   } catch (const std::bad_alloc&) {
     app::Complain("out of memory\n");
-    return app::kBroken;
+    exit = app::kBroken;
   } catch (const std::exception& error) {
     app::Complain(fmt::format("unexpected: {}\n", error.what()));
-    return app::kBroken;
+    exit = app::kBroken;
   }
-  return exit;
+  return app::FinishJson(app::JsonFile(argc, argv), exit);
 }

@@ -114,7 +114,8 @@ int Run(const Common& common, const std::string& name, const std::vector<std::st
     return analysis.failure().exit_code;
   }
   Print(common, fmt::format("{}\n\n", prepared->plan.id) + ToText(*analysis, *settings));
-  return WriteJson(common, ToJson(prepared->plan.id, *analysis));
+  KeepJson(ToJson(prepared->plan.id, *analysis));
+  return kGood;
 }
 
 }  // namespace

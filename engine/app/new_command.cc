@@ -151,7 +151,8 @@ int New(const Common& common, const std::string& what, const std::string& name) 
   Print(common, Next(what, name, prefix));
   nlohmann::json document = {{"files", nlohmann::json::array()}};
   for (const auto& [file, text] : files) document["files"].push_back(file);
-  return WriteJson(common, document);
+  KeepJson(std::move(document));
+  return kGood;
 }
 
 }  // namespace

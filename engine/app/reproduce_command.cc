@@ -164,8 +164,8 @@ int Run(const Common& common, const std::string& which, const std::string& html)
     }
     exit = reports::WorseExit(exit, WriteHtml(html, reports::AtlasPage(results, drawn)));
   }
-  document["exit"] = exit;
-  return reports::WorseExit(exit, WriteJson(common, document));
+  KeepJson(std::move(document));
+  return exit;
 }
 
 }  // namespace

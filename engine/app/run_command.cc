@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -10,8 +11,11 @@
 #include <thread>
 
 #include "app/app.h"
+#include "app/interruption.h"
+#include "base/text.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "experiment/warnings.h"
 #include "reports/run_page.h"
 #include "reports/run_report.h"
 #include "scenario/load.h"
@@ -26,12 +30,50 @@ struct RunArguments {
   int jobs = 1;
 };
 
+/// The command that runs this scenario again, as a shell takes it.
+std::string Again(const RunArguments& arguments, const std::string& file) {
+  std::string text = "dynoproof run " + ShellQuoted(CallName(file));
+  const auto add = [&text](const char* option, const std::string& value) {
+    if (!value.empty()) text += fmt::format(" {} {}", option, ShellQuoted(value));
+  };
+  for (const std::string& change : arguments.overrides) add("--set", change);
+  add("--solver", arguments.solver);
+  add("--data", arguments.data);
+  add("--map", arguments.map);
+  add("--golden", arguments.golden);
+  add("--today", arguments.today);
+  for (const std::string& plugin : arguments.common.plugins) add("--plugin", plugin);
+  return text;
+}
+
+/// For Ctrl-C: the table of what is done, the names of what is not. The document for --json has what is done.
+std::string WhatIsDone(const std::vector<std::unique_ptr<Prepared>>& scenarios,
+                       const std::vector<std::optional<ScenarioResult>>& results, const RunArguments& arguments) {
+  std::vector<ScenarioResult> done;
+  std::string left;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i])
+      done.push_back(*results[i]);
+    else
+      left += fmt::format("\n  not done: {}", Again(arguments, scenarios[i]->plan.file));
+  }
+  if (!done.empty()) Print(arguments.common, reports::ToTable(done, false));
+  KeepJson(reports::ToJson(done));
+  return fmt::format("interrupted: {} of {} scenarios are done{}; no report is written, and no half of a trace{}\n",
+                     done.size(), scenarios.size(),
+                     done.empty() ? "" : fmt::format(", their traces are in {}/", arguments.out), left);
+}
+
 /// Runs the prepared scenarios, `jobs` at a time, in the order given.
 std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>& scenarios,
                                    const RunArguments& arguments, const MappedRecord* data, reports::RunPage& page) {
-  std::vector<ScenarioResult> results(scenarios.size());
+  std::vector<std::optional<ScenarioResult>> results(scenarios.size());
   std::atomic<std::size_t> next = 0, done = 0;
   std::mutex screen;
+  const Interruption interruption(arguments.common, [&] {
+    const std::lock_guard<std::mutex> lock(screen);
+    return WhatIsDone(scenarios, results, arguments);
+  });
   const auto work = [&] {
     for (std::size_t i = next++; i < scenarios.size(); i = next++) {
       RunOptions options;
@@ -49,13 +91,16 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
           page.Add(*scenarios[i], course, context, result);
         };
       }
+      ScenarioResult result;
       try {
-        results[i] = RunScenario(*scenarios[i], options);
+        result = RunScenario(*scenarios[i], options);
       } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
-        results[i].id = scenarios[i]->plan.id;
-        results[i].verdict = score::Verdict::kBroken;
-        results[i].broken = error.what();
+        result.id = scenarios[i]->plan.id;
+        result.verdict = score::Verdict::kBroken;
+        result.broken = error.what();
       }
+      const std::lock_guard<std::mutex> lock(screen);
+      results[i] = std::move(result);
       ++done;
     }
   };
@@ -64,7 +109,9 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
   work();
   for (std::thread& thread : threads) thread.join();
   ClearProgress();
-  return results;
+  std::vector<ScenarioResult> all;
+  for (std::optional<ScenarioResult>& result : results) all.push_back(*std::move(result));
+  return all;
 }
 
 std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& rig, Diagnostics& diagnostics) {
@@ -105,6 +152,10 @@ int Run(const RunArguments& arguments) {
     }
     scenarios.push_back(std::move(prepared));
   }
+  // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
+  if (arguments.data.empty()) {
+    for (const std::unique_ptr<Prepared>& one : scenarios) AddWarnings(*one, diagnostics);
+  }
   std::optional<MappedRecord> data;
   if (!arguments.data.empty() && scenarios.size() == 1) {
     data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
@@ -123,25 +174,20 @@ int Run(const RunArguments& arguments) {
   reports::RunPage page(scenarios.size());
   const std::vector<ScenarioResult> results = RunAll(scenarios, arguments, data ? &*data : nullptr, page);
   int exit = reports::ExitCode(results);
-  std::string again = "dynoproof run";
-  for (const std::string& text : arguments.overrides) again += " --set '" + text + "'";
-  if (!arguments.solver.empty()) again += " --solver " + arguments.solver;
-  if (!arguments.data.empty()) again += " --data " + arguments.data;
-  if (!arguments.map.empty()) again += " --map " + arguments.map;
-  if (!arguments.golden.empty()) again += " --golden " + arguments.golden;
+  std::map<std::string, std::string> again;
+  for (const std::unique_ptr<Prepared>& one : scenarios) again[one->plan.id] = Again(arguments, one->plan.file);
   const bool colour = ColourOn(arguments.common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
   Print(arguments.common, reports::ToTable(results, colour));
   Print(arguments.common, reports::ToCards(results, again, colour));
   for (const ScenarioResult& result : results) {
-    for (const std::string& note : result.notes) Complain(fmt::format("{}: {}\n", result.id, note));
+    for (const std::string& note : result.notes) Note(fmt::format("{}: {}\n", result.id, note));
   }
   if (!arguments.junit.empty()) exit = reports::WorseExit(exit, WriteText(arguments.junit, reports::ToJUnit(results)));
   if (!arguments.markdown.empty())
     exit = reports::WorseExit(exit, WriteText(arguments.markdown, reports::ToMarkdown(results)));
   if (!arguments.html.empty()) exit = reports::WorseExit(exit, WriteHtml(arguments.html, page.Finish(results)));
-  nlohmann::json document = reports::ToJson(results);
-  document["exit"] = exit;
-  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+  KeepJson(reports::ToJson(results));
+  return exit;
 }
 
 }  // namespace

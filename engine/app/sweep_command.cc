@@ -11,6 +11,7 @@
 
 #include "app/app.h"
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "campaign/slurm.h"
 #include "campaign/table.h"
 #include "campaign/workers.h"
@@ -63,8 +64,9 @@ class ProgressLine {
 };
 
 std::string Again(const SweepArguments& arguments) {
-  std::string text = "dynoproof sweep " + arguments.campaign;
-  if (arguments.out != "out") text += " --out " + arguments.out;
+  std::string text = "dynoproof sweep " + ShellQuoted(arguments.campaign);
+  if (arguments.out != "out") text += " --out " + ShellQuoted(arguments.out);
+  for (const std::string& plugin : arguments.common.plugins) text += " --plugin " + ShellQuoted(plugin);
   return text;
 }
 
@@ -183,9 +185,9 @@ int Finish(const SweepArguments& arguments, const campaign::Campaign& campaign, 
                     (fs::path(store.folder()) / "table.csv").string()));
   if (!arguments.html.empty())
     exit = reports::WorseExit(exit, WriteHtml(arguments.html, reports::CampaignPage(campaign, *rows, summary, again)));
-  document["exit"] = exit;
   document["cost"] = {{"wall_s", summary.wall_s}, {"cpu_s", summary.cpu_s}, {"peak_MB", summary.peak_MB}};
-  return reports::WorseExit(exit, WriteJson(arguments.common, document));
+  KeepJson(std::move(document));
+  return exit;
 }
 
 /// One run again, with its trace.
@@ -202,14 +204,30 @@ int Single(const SweepArguments& arguments, const campaign::Campaign& campaign) 
   }
   std::string text = fmt::format("run {} of {}: {}{}{}\n", row->run, campaign.id, score::ToString(row->verdict),
                                  row->why.empty() ? "" : ": ", row->why);
-  for (std::size_t i = 0; i < campaign.axes.size(); ++i)
-    text += fmt::format("  {:<40}{}\n", campaign.axes.spec(i).key, campaign::TextOf(campaign.axes.At(i, row->run)));
-  for (std::size_t i = 0; i < row->figures.size(); ++i)
-    text += fmt::format("  {:<40}{} {}\n", campaign.subject->figures()[i].name, row->figures[i],
-                        campaign.subject->figures()[i].unit);
-  if (const std::string command = campaign.subject->Command(row->run); !command.empty())
+  nlohmann::json document = {{"id", campaign.id},
+                             {"run", row->run},
+                             {"verdict", score::ToString(row->verdict)},
+                             {"why", row->why},
+                             {"axes", nlohmann::json::object()},
+                             {"figures", nlohmann::json::object()}};
+  for (std::size_t i = 0; i < campaign.axes.size(); ++i) {
+    const std::string& key = campaign.axes.spec(i).key;
+    const Value value = campaign.axes.At(i, row->run);
+    text += fmt::format("  {:<40}{}\n", key, campaign::TextOf(value));
+    document["axes"][key] =
+        value.is_number() ? nlohmann::json(value.number()) : nlohmann::json(campaign::TextOf(value));
+  }
+  for (std::size_t i = 0; i < row->figures.size(); ++i) {
+    const campaign::FigureInfo& figure = campaign.subject->figures()[i];
+    text += fmt::format("  {:<40}{} {}\n", figure.name, row->figures[i], figure.unit);
+    document["figures"][figure.name] = {{"value", reports::Number(row->figures[i])}, {"unit", figure.unit}};
+  }
+  if (const std::string command = campaign.subject->Command(row->run); !command.empty()) {
     text += "alone, with all checks of the scenario: " + command + "\n";
+    document["command"] = command;
+  }
   Print(arguments.common, text);
+  KeepJson(std::move(document));
   return score::ExitCode(row->verdict);
 }
 
@@ -325,7 +343,7 @@ int Sweep(const SweepArguments& arguments) {
     return kUndecided;
   }
   const int exit = Finish(arguments, *campaign, store);
-  if (before < store.runs()) Complain(fmt::format("{} runs in {:.1f} s\n", store.runs() - before, line.Seconds()));
+  if (before < store.runs()) Note(fmt::format("{} runs in {:.1f} s\n", store.runs() - before, line.Seconds()));
   return exit;
 }
 

@@ -15,6 +15,9 @@ std::optional<std::string> Closest(std::string_view word, std::span<const std::s
 /// Reads a whole text file; nothing when it cannot be read.
 std::optional<std::string> ReadTextFile(const std::string& path);
 
+/// A word as a shell takes it: in quotes where it needs them.
+std::string ShellQuoted(const std::string& word);
+
 /// The lower-case hexadecimal FNV-1a hash of the bytes, 16 digits: tells texts apart, protects nothing.
 std::string Fingerprint(std::string_view bytes);
 

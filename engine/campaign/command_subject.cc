@@ -75,6 +75,15 @@ class CommandSubject : public Subject {
     return std::numeric_limits<double>::quiet_NaN();
   }
 
+  /// What was printed as JSON: the last line, or an object over several lines with messages before and behind.
+  static nlohmann::json DocumentOf(const std::string& out, const std::string& last) {
+    nlohmann::json found = nlohmann::json::parse(last, nullptr, false);
+    const std::size_t begin = out.starts_with('{') ? 0 : out.find("\n{\n"), end = out.rfind("\n}");
+    if (!found.is_object() && begin < end && end != std::string::npos)
+      found = nlohmann::json::parse(out.substr(begin, end + 2 - begin), nullptr, false);
+    return found;
+  }
+
   Row RowOf(std::int64_t run, const Answer& answer) const {
     Row row;
     row.run = run;
@@ -82,16 +91,12 @@ class CommandSubject : public Subject {
     row.verdict = score::Verdict::kBroken;
     std::string last = answer.out.substr(0, answer.out.find_last_not_of("\r\n ") + 1);
     last.erase(0, last.rfind('\n') + 1);  // npos + 1 = 0
+    const nlohmann::json found = DocumentOf(answer.out, last);
     if (answer.exit != 0) {
-      row.why = fmt::format("exit {}: {}", answer.exit, last);
+      const nlohmann::json told = found.is_object() ? found.value("diagnostics", nlohmann::json()) : nlohmann::json();
+      const bool says = told.is_array() && !told.empty() && told.back().is_object();
+      row.why = fmt::format("exit {}: {}", answer.exit, says ? told.back().value("message", last) : last);
       return row;
-    }
-    nlohmann::json found = nlohmann::json::parse(last, nullptr, false);
-    if (!found.is_object()) {  // over several lines, messages before and behind
-      const std::size_t begin = answer.out.starts_with('{') ? 0 : answer.out.find("\n{\n"),
-                        end = answer.out.rfind("\n}");
-      if (begin < end && end != std::string::npos)
-        found = nlohmann::json::parse(answer.out.substr(begin, end + 2 - begin), nullptr, false);
     }
     if (!found.is_object()) {
       row.why = "neither what it prints nor its last line is a JSON object: " + last;

@@ -54,8 +54,8 @@ class ScenarioSubject : public Subject {
   }
 
   std::string Command(std::int64_t run) const override {
-    std::string command = "dynoproof run " + plan_.file;
-    const auto add = [&command](const std::string& change) { command += " --set '" + change + "'"; };
+    std::string command = "dynoproof run " + ShellQuoted(plan_.file);
+    const auto add = [&command](const std::string& change) { command += " --set " + ShellQuoted(change); };
     for (const std::string& change : options_.set) add(change);
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       add(axes_.spec(i).key + "=" + TextOf(axes_.At(i, run)));
@@ -237,8 +237,9 @@ class ScenarioSubject : public Subject {
                 fmt::format("{}: {:.6g}, limit {:.6g}", check.name, check.value, check.limit));
       if (check.verdict == Verdict::kPass || !row.why.empty()) continue;
       row.why = check.name + ": " +
-                (check.explanation.empty() ? fmt::format("{:.6g}, limit {:.6g}", check.value, check.limit)
-                                           : check.explanation);
+                (check.explanation.empty()
+                     ? fmt::format("{:.6g}, {} {:.6g}", check.value, check.at_least ? "at least" : "limit", check.limit)
+                     : check.explanation);
     }
     for (std::size_t i = 0; i < options_.figures.size(); ++i) {
       const auto& [name, spec] = options_.figures[i];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 
 #include "score/fft.h"
 #include "score/series.h"
@@ -109,22 +110,41 @@ std::optional<std::string> WrongUnit(double factor, const std::string& unit) {
   return std::nullopt;
 }
 
-/// Whether two signals are opposite in every octave. A sensor's sign turns all of them, a resonance that is elsewhere
-/// than simulated only those around it.
-bool TurnedThroughout(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+/// How alike two signals are in each octave: the correlation of its lines as a complex number, of which the real part
+/// tells the sign and the size forgives a phase. Octaves without either signal are left out.
+std::vector<std::complex<double>> AlikeByOctave(const Eigen::Ref<const Eigen::VectorXd>& a,
+                                                const Eigen::Ref<const Eigen::VectorXd>& b) {
   const std::vector<double> x(a.begin(), a.end()), y(b.begin(), b.end());
   const auto p = score::Fft(std::span<const double>(x)), q = score::Fft(std::span<const double>(y));
-  constexpr std::size_t kLeast = 8;  // bins: noise alone is then rarely alike by more than 0.7
+  constexpr std::size_t kLeast = 8;  // bins: noise alone is then rarely alike by more than kAlike
+  std::vector<std::complex<double>> octaves;
   for (std::size_t first = kLeast; 2 * first <= x.size() / 2; first *= 2) {
-    double both = 0.0, of_p = 0.0, of_q = 0.0;
+    std::complex<double> both;
+    double of_p = 0.0, of_q = 0.0;
     for (std::size_t k = first; k < 2 * first; ++k) {
-      both += (p[k] * std::conj(q[k])).real();
+      both += p[k] * std::conj(q[k]);
       of_p += std::norm(p[k]);
       of_q += std::norm(q[k]);
     }
-    if (both > 0.7 * std::sqrt(of_p * of_q)) return false;
+    if (of_p > 0.0 && of_q > 0.0) octaves.push_back(both / std::sqrt(of_p * of_q));
   }
-  return true;
+  return octaves;
+}
+
+constexpr double kAlike = 0.7;
+
+/// Whether two signals are opposite in every octave. A sensor's sign turns all of them, a resonance that is elsewhere
+/// than simulated only those around it.
+bool TurnedThroughout(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const std::vector<std::complex<double>> octaves = AlikeByOctave(a, b);
+  return std::none_of(octaves.begin(), octaves.end(), [](const auto& alike) { return alike.real() > kAlike; });
+}
+
+/// Whether anything of one signal is in the other: the whole, or an octave of it.
+bool Related(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const std::vector<std::complex<double>> octaves = AlikeByOctave(a, b);
+  return std::abs(Correlation(a, b)) > kAlike ||
+         std::any_of(octaves.begin(), octaves.end(), [](const auto& alike) { return std::abs(alike) > kAlike; });
 }
 
 }  // namespace
@@ -174,10 +194,9 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
   for (const Channel& channel : study.channels()) {
     const auto measured = study.measured().segment(channel.begin, channel.count);
     const auto predicted = nominal->segment(channel.begin, channel.count);
-    if (channel.count < 100) {
-      findings.push_back({true, "short", channel.name,
-                          fmt::format("{} samples are too few to compare with a simulation", channel.count),
-                          static_cast<std::size_t>(channel.count), 0.0});
+    const auto count = static_cast<std::size_t>(channel.count);
+    if (const std::string few = TooFew(count); !few.empty()) {
+      findings.push_back({true, "short", channel.name, few, count, 0.0});
       continue;
     }
     if (!(channel.spread > 1e-12 * channel.nominal)) {
@@ -248,6 +267,32 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
                             fmt::format("reaches {:.4g}, its nominal is {:.4g}: another unit?", peak, nominal_size), 0,
                             0.0});
     }
+  }
+  return findings;
+}
+
+Result<std::vector<Finding>> DistancesOf(const Study& study) {
+  // What leaves four fifths of the squares is no account of a signal; one of another size ends at 1, not above.
+  constexpr double kFarOff = 0.9;
+  const Result<Eigen::VectorXd> nominal = study.Predict(study.Nominal());
+  if (!nominal.ok()) return nominal.failure();
+  std::vector<Finding> findings;
+  for (const Channel& channel : study.channels()) {
+    if (!TooFew(static_cast<std::size_t>(channel.count)).empty() || !(channel.spread > 1e-12 * channel.nominal))
+      continue;
+    const auto measured = study.measured().segment(channel.begin, channel.count);
+    const auto predicted = nominal->segment(channel.begin, channel.count);
+    const double nrmse = std::sqrt((measured - predicted).array().square().mean()) / channel.spread;
+    const bool far = nrmse > kFarOff, foreign = far && !Related(measured, predicted);
+    const char* meaning = foreign
+                              ? ": no octave of its spectrum is like the simulated one. The record has nothing to do "
+                                "with this scenario, or another column or input was taken"
+                          : far ? ": parts of its spectrum are like the simulated ones; the model does not account for "
+                                  "the rest"
+                                : "";
+    findings.push_back({foreign, "distance", channel.name,
+                        fmt::format("is {:.3g} of its own spread off the simulation (NRMSE){}", nrmse, meaning), 0, 0.0,
+                        nrmse});
   }
   return findings;
 }

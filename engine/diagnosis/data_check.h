@@ -18,7 +18,8 @@ struct Finding {
   std::string column;
   std::string text;  // one sentence with place and figures
   std::size_t count = 0;
-  double at_s = 0.0;  // the first place
+  double at_s = 0.0;                 // the first place
+  std::optional<double> nrmse = {};  // kind "distance": from the simulation
 };
 
 /// The record alone, column by column, as it stands in the file. A column of zeros is no fault where it is an input.
@@ -26,5 +27,9 @@ std::vector<Finding> CheckRecord(const trace::Record& record);
 
 /// Mapped signals against what the scenario predicts for them.
 Result<std::vector<Finding>> CheckAgainst(const Study& study);
+
+/// How far each mapped output is from what the scenario predicts for it. A record that has nothing to do with the
+/// scenario is a fault; one that a wrong model keeps away from its simulation is not: that is what `diagnose` is for.
+Result<std::vector<Finding>> DistancesOf(const Study& study);
 
 }  // namespace dynoproof::diagnosis

@@ -207,31 +207,72 @@ std::string ToTable(const Identified& identified) {
   return text;
 }
 
-std::string ToScenario(const Identified& identified, const Plan& plan, const std::string& include,
+namespace {
+
+/// What a file that includes another writes of a path, and how much of the path leads there: an array on the way is
+/// written as a whole, it can be replaced only so. Null where the path leads nowhere.
+std::pair<const Value*, std::size_t> WrittenAs(const Value& root, const std::string& path) {
+  const Value* value = &root;
+  std::size_t begin = 0;
+  while (begin < path.size() && value != nullptr && value->is_table()) {
+    const std::size_t dot = std::min(path.find('.', begin), path.size());
+    value = value->Find(path.substr(begin, dot - begin));
+    begin = dot + 1;
+  }
+  return {value, std::min(begin == 0 ? 0 : begin - 1, path.size())};
+}
+
+bool Same(const Value& a, const Value& b) { return ToToml(Value{{"v", a}}) == ToToml(Value{{"v", b}}); }
+
+/// Whether the effects of a plan have changed something that is written under one of the paths.
+bool ActsOnOneOf(const std::vector<std::string>& paths, const Plan& applied, const Plan& written) {
+  if (written.root.Find("effect") == nullptr) return false;
+  return std::any_of(paths.begin(), paths.end(), [&](const std::string& path) {
+    const Value *after = WrittenAs(applied.root, path).first, *before = WrittenAs(written.root, path).first;
+    if (after == nullptr || before == nullptr) return after != before;
+    return !Same(*after, *before);
+  });
+}
+
+}  // namespace
+
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
                        const std::vector<std::string>& overrides) {
   Plan found = plan;
   std::vector<std::string> changed;
   for (const std::string& change : overrides) changed.push_back(change.substr(0, change.find('=')));
   for (const IdentifiedValue& one : identified.values) {
-    *found.root.FindPath(one.key) = Value(one.value);
+    Value* value = found.root.FindPath(one.key);
+    const std::size_t dot = one.key.rfind('.');  // a default stands in a table that is there
+    if (value == nullptr) value = &(*found.root.FindPath(one.key.substr(0, dot)))[one.key.substr(dot + 1)];
+    *value = Value(one.value);
     changed.push_back(one.key);
   }
   Value tree;
   tree["include"] = Value::Array{include};
   // Limits, oracles and golden traces are those of the other numbers.
-  if (plan.root.Find("check") != nullptr) tree["without"] = Value::Array{"check"};
+  Value::Array without;
+  if (plan.root.Find("check") != nullptr) without.emplace_back("check");
+  if (ActsOnOneOf(changed, plan, written)) {
+    without.emplace_back("effect");
+    for (const Value::Entry& section : found.root.table()) {
+      const Value *before = written.root.Find(section.key), *after = plan.root.Find(section.key);
+      if (section.key == "check" || (before != nullptr && Same(*before, *after))) continue;
+      if (before != nullptr) without.emplace_back(section.key);
+      changed.push_back(section.key);
+    }
+  }
+  if (!without.empty()) tree["without"] = std::move(without);
   for (const std::string& path : changed) {
-    // An array on the way is written as a whole: a file that includes another can replace it only so.
-    const Value* from = &found.root;
+    const auto [from, length] = WrittenAs(found.root, path);
+    if (from == nullptr) continue;
     Value* to = &tree;
-    for (std::size_t begin = 0; begin < path.size() && from != nullptr && from->is_table();) {
-      const std::size_t dot = std::min(path.find('.', begin), path.size());
-      const std::string key = path.substr(begin, dot - begin);
-      from = from->Find(key);
-      to = &(*to)[key];
+    for (std::size_t begin = 0; begin < length;) {
+      const std::size_t dot = std::min(path.find('.', begin), length);
+      to = &(*to)[path.substr(begin, dot - begin)];
       begin = dot + 1;
     }
-    if (from != nullptr) *to = *from;
+    *to = *from;
   }
   return std::string(kIdentified) + ToToml(tree);
 }

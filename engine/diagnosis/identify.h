@@ -53,8 +53,11 @@ nlohmann::json ToJson(const Identified& identified);
 std::string ToTable(const Identified& identified);
 /// How such a file begins.
 inline constexpr std::string_view kIdentified = "# With numbers that were identified.\n";
-/// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in `plan`.
-std::string ToScenario(const Identified& identified, const Plan& plan, const std::string& include,
+/// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in it.
+/// `written` is the included scenario as it stands there, `plan` the same with its effects applied. Where one of them
+/// has changed a number that is written here, it would act on that once more: the file then has all sections that
+/// effects have changed as they are, and no effect.
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
                        const std::vector<std::string>& overrides);
 
 }  // namespace dynoproof::diagnosis

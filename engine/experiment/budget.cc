@@ -158,6 +158,7 @@ std::vector<score::Check> JudgeBudget(const Budget& budget, const Timing& timing
     check.kind = "budget";
     check.value = value;
     check.limit = limit;
+    check.at_least = at_least;
     check.unit = unit;
     check.origin = "[budget] of the scenario";
     const bool held = std::isfinite(value) && (at_least ? value >= limit : value <= limit);

@@ -133,12 +133,8 @@ std::vector<score::Check> ContactsCheck::Run(CheckContext& context) const {
                                        alike ? second : first);
       context.figures[fmt::format("{}.{}_{}", names[i], alike ? "agrees_with" : "differs_from", names[0])] = {distance,
                                                                                                               "1"};
-      score::Check check = score::AtMost(what, kName, distance, limit, "1", p_.origin);
-      if (!alike) {  // here the limit is the least
-        check.verdict = distance >= limit ? score::Verdict::kPass : score::Verdict::kFail;
-        check.explanation = "at least this far apart inside the gap";
-      }
-      checks.push_back(std::move(check));
+      checks.push_back(alike ? score::AtMost(what, kName, distance, limit, "1", p_.origin)
+                             : score::AtLeast(what, kName, distance, limit, "1", p_.origin, "inside the gap"));
     }
   };
   compare(p_.alike, true);

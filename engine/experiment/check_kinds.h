@@ -28,6 +28,7 @@ class ResonancesCheck : public CheckPlan {
   };
   static constexpr bool kNeedsAnalysis = true;
   static constexpr const char* kName = "resonances";
+  static constexpr const char* kRelativeLimits[] = {"tolerance_gain"};
   static constexpr const char* kSummary = "peaks of the chirp run against the frequency response of [analysis]";
   explicit ResonancesCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {}; }
@@ -108,6 +109,7 @@ class CouplingCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "coupling";
+  static constexpr const char* kRelativeLimits[] = {"relative"};
   static constexpr const char* kSummary = "steady stiffness and damping of a hydrodynamic coupling at a frequency";
   explicit CouplingCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {}; }
@@ -141,6 +143,8 @@ class ContactsCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "contacts";
+  static constexpr const char* kRelativeLimits[] = {"nrmse", "alike_nrmse"};
+  static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "impacts in a shaft with play: solvers, halved steps, laws";
   explicit ContactsCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {p_.signal}; }
@@ -164,6 +168,8 @@ class WindowsCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "windows";
+  static constexpr const char* kRelativeLimits[] = {"nrmse"};
+  static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference` in windows that restart from its state";
   explicit WindowsCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {p_.signal}; }

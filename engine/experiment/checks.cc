@@ -117,6 +117,8 @@ class SolversCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "solvers";
+  static constexpr const char* kRelativeLimits[] = {"nrmse"};
+  static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference`";
   explicit SolversCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {p_.signal}; }
@@ -181,6 +183,7 @@ class OracleCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "oracle";
+  static constexpr const char* kRelativeLimits[] = {"nrmse"};
   static constexpr const char* kSummary = "the run against an independent reference";
   explicit OracleCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const { return {p_.signal}; }
@@ -233,8 +236,17 @@ struct Kind {
 };
 
 template <class C>
+CheckKindInfo InfoOf() {
+  CheckKindInfo info{C::kName, C::kSummary, ListParams<typename C::Params>()};
+  if constexpr (requires { C::kRelativeLimits; })
+    info.relative_limits.assign(std::begin(C::kRelativeLimits), std::end(C::kRelativeLimits));
+  if constexpr (requires { C::kComparesSolvers; }) info.compares_solvers = C::kComparesSolvers;
+  return info;
+}
+
+template <class C>
 Kind MakeKind() {
-  return {{C::kName, C::kSummary, ListParams<typename C::Params>()},
+  return {InfoOf<C>(),
           [](const Value& table, [[maybe_unused]] const Plan& plan, const Rig& rig,
              Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
             typename C::Params params;

@@ -80,6 +80,8 @@ bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Pl
 struct CheckKindInfo {
   std::string name, summary;
   std::vector<ParamInfo> parameters;
+  std::vector<std::string> relative_limits = {};  // parameters that are a largest relative deviation
+  bool compares_solvers = false;                  // `realtime` against `reference`
 };
 std::vector<CheckKindInfo> CheckKinds();
 

@@ -54,7 +54,7 @@ class Walk {
   void Add(const std::string& path, const Value& table, const std::vector<ParamInfo>& parameters) {
     for (const ParamInfo& one : parameters) {
       if (one.fallback.empty() || table.Find(one.name) != nullptr) continue;
-      settings.push_back({path + "." + one.name, one.fallback, "default", one.unit, one.description});
+      settings.push_back({path + "." + one.name, one.fallback, Setting::kDefault, one.unit, one.description, one.type});
     }
   }
 

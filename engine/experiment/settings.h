@@ -14,6 +14,8 @@ struct Setting {
   std::string value;              // as TOML has it
   std::string from;               // "scenarios/_chirp.toml:6", "--set"; "default" where nobody wrote it
   std::string unit, description;  // of a default; given ones carry the unit in their name
+  std::string type = {};          // of a default: "number", "integer", ...
+  static constexpr const char* kDefault = "default";
 };
 
 /// The settings in the order of writing, each plugin's defaults behind what was given; checks are left out.

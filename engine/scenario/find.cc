@@ -69,6 +69,12 @@ std::string ScenarioId(const std::string& file) {
 
 bool IsOwnScenario(const std::string& file) { return !file.empty() && !BelowScenarioFolder(file); }
 
+std::string CallName(const std::string& file) {
+  std::error_code error;
+  const std::string id = ScenarioId(file);
+  return IsOwnScenario(file) || fs::is_regular_file(id, error) ? file : id;  // a file of that name would come first
+}
+
 std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& diagnostics) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return {name};

@@ -36,4 +36,7 @@ std::string ScenarioId(const std::string& file);
 /// Whether a scenario file belongs to the user: it lies outside the scenario folder. A plan without a file does not.
 bool IsOwnScenario(const std::string& file);
 
+/// What a command takes for this file: its id where that names it, else the file itself.
+std::string CallName(const std::string& file);
+
 }  // namespace dynoproof

@@ -22,6 +22,10 @@ int Rank(Verdict verdict) {  // the exit order of the contract, 3 before 1 befor
   return 3;  // a value outside the enumeration is a broken promise, never a pass
 }
 
+std::string NotANumber(double value, double limit) {
+  return fmt::format("not a number to judge: value {}, limit {}", value, limit);
+}
+
 }  // namespace
 
 std::string_view ToString(Verdict verdict) {
@@ -67,6 +71,20 @@ Check AtMost(std::string name, std::string kind, double value, double limit, std
   return ToCheck(outcome, std::move(name), std::move(kind), value, limit, std::move(unit), std::move(origin));
 }
 
+Check AtLeast(std::string name, std::string kind, double value, double limit, std::string unit, std::string origin,
+              std::string explanation) {
+  Check check{std::move(name), std::move(kind),   Verdict::kPass,         value, limit,
+              std::move(unit), std::move(origin), std::move(explanation), true};
+  if (!std::isfinite(value) || !std::isfinite(limit)) {
+    check.verdict = Verdict::kFail;
+    check.explanation = NotANumber(value, limit);
+  } else if (value < limit) {
+    check.verdict = Verdict::kFail;
+    if (check.explanation.empty()) check.explanation = fmt::format("{:.6g} falls short of {:.6g}", value, limit);
+  }
+  return check;
+}
+
 Check ToCheck(const Outcome& outcome, std::string name, std::string kind, double value, double limit, std::string unit,
               std::string origin) {
   Check check{std::move(name), std::move(kind), outcome.verdict,   value,
@@ -74,7 +92,7 @@ Check ToCheck(const Outcome& outcome, std::string name, std::string kind, double
   if (outcome.verdict != Verdict::kPass) return check;
   if (!std::isfinite(value) || !std::isfinite(limit)) {
     check.verdict = Verdict::kFail;
-    check.explanation = fmt::format("not a number to judge: value {}, limit {}", value, limit);
+    check.explanation = NotANumber(value, limit);
   } else if (value > limit) {
     check.verdict = Verdict::kFail;
     if (check.explanation.empty()) check.explanation = fmt::format("{:.6g} exceeds {:.6g}", value, limit);

@@ -36,6 +36,7 @@ struct Check {
   std::string unit;
   std::string origin;       // why this limit
   std::string explanation;  // what was seen
+  bool at_least = false;    // the limit is the least: the check holds when value >= limit
 };
 
 /// The verdict over all checks: the worst wins; no check at all is a failure, because nothing was compared.
@@ -44,6 +45,10 @@ Verdict Combine(std::span<const Check> checks);
 /// A check that holds when value <= limit. A value or limit that is not finite fails and says so.
 Check AtMost(std::string name, std::string kind, double value, double limit, std::string unit, std::string origin,
              std::string explanation = "");
+
+/// The same for value >= limit.
+Check AtLeast(std::string name, std::string kind, double value, double limit, std::string unit, std::string origin,
+              std::string explanation = "");
 
 /// The check of an outcome: its verdict and reason, with the number that decided it. A pass with a number that is not
 /// finite, or above its limit, becomes a failure.

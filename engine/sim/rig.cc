@@ -313,7 +313,7 @@ class RigBuilder {
     diagnostics_.Error(
         where, fmt::format("there is no signal \"{}\"", signal),
         near ? fmt::format("did you mean \"{}\"?", *near) : "signals are block.port, such as plant.k4.torque",
-        "dynoproof describe " + plan_.id);
+        "dynoproof describe " + ShellQuoted(plan_.file));
     return -1;
   }
 

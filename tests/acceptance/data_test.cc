@@ -191,6 +191,19 @@ TEST_F(Data, FailsWhenItDisagrees) {
   EXPECT_THAT(run.out, HasSubstr("record T_shaft"));
 }
 
+TEST_F(Data, OfAFewSamplesIsUndecided) {
+  for (Column& column : columns_) column.values.resize(3);
+  Write();
+  const Outcome run = Run();
+  EXPECT_EQ(run.exit, 4) << run.Both();
+  EXPECT_THAT(run.out, HasSubstr("3 samples are too few to compare with a simulation (at least 100)"));
+  for (const nlohmann::json& check : Scenario()["checks"]) EXPECT_EQ(check["verdict"], "inconclusive") << check;
+  const Outcome fit =
+      bench_.Call({"identify", "line.toml", "--data", "record.csv", "--free", "plant.inertia.I3", "--starts", "1"});
+  EXPECT_EQ(fit.exit, 4) << fit.Both();
+  EXPECT_THAT(fit.err, HasSubstr("3 samples are too few"));
+}
+
 TEST_F(Data, OfInputsAloneIsUndecided) {
   columns_.resize(2);
   Write();

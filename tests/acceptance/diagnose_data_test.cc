@@ -103,8 +103,10 @@ TEST_F(DiagnosedData, InterruptedGoesOnToTheSameVerdict) {
   EXPECT_THAT(stopped.err, HasSubstr("--resume"));
   const nlohmann::json saved = nlohmann::json::parse(ReadBytes(state), nullptr, false);
   ASSERT_TRUE(saved.contains("screening")) << "whole, whenever it was stopped";
-  for (const char* file : {"stopped.json", "stopped.html", "found/extended.toml"})
-    EXPECT_FALSE(fs::exists(bench_ / file)) << file;
+  for (const char* file : {"stopped.html", "found/extended.toml"}) EXPECT_FALSE(fs::exists(bench_ / file)) << file;
+  const nlohmann::json answer = nlohmann::json::parse(ReadBytes(bench_ / "stopped.json"));
+  EXPECT_EQ(answer["exit"], 4);
+  EXPECT_FALSE(answer.contains("verdict")) << answer;
 
   const nlohmann::json resumed = bench_.Json(Diagnose({"--resume"}));
   ExpectTheInertia(resumed);

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
 
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
@@ -113,6 +115,35 @@ TEST_F(Measured, AChangeThatTheDoubtsCouldHideIsNamedWhereItIsFarBeyondThem) {
   EXPECT_EQ(result["effects"][0]["at"], "inertia:I3");
 }
 
+TEST_F(Measured, TheExtendedScenarioReachesWhatTheResultStates) {
+  // The line turns and is wound up when the record begins, which is fitted along.
+  const auto record = [&](const char* name, const std::string& start, std::uint64_t seed) {
+    std::vector<std::string> run = {"line.toml"};
+    for (const std::string& change : {std::string("run.duration_s=0.6"), std::string("plant.inertia.I3=0.65"), start})
+      run.insert(run.end(), {"--set", change});
+    ASSERT_FALSE(trace::WriteCsv(
+        bench_ / name, NoisyRecord(bench_, run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"}, 0.01, seed)));
+  };
+  record("record.csv", "plant.shaft.k2.initial_twist_rad=2e-4", 3);
+  record("holdout.csv", "plant.shaft.k2.initial_twist_rad=0.0", 4);
+  const nlohmann::json result =
+      bench_.Json({"diagnose", "line.toml", "--data", "record.csv", "--holdout", "holdout.csv", "--out", "found"});
+  ASSERT_EQ(result["verdict"], "effect_found") << result.dump(1);
+  const auto figures = [&](const char* data) {
+    return bench_.Json({"run", "found/extended.toml", "--data", data})["scenarios"][0]["figures"];
+  };
+  const nlohmann::json own = figures("record.csv"), other = figures("holdout.csv");
+  for (const char* signal : {"T_shaft", "omega_1"}) {
+    const double after = result["gain"]["train"][signal]["nrmse_after"];
+    // The file has the numbers with all their digits; what is left is the order in which they are computed.
+    EXPECT_NEAR(own[std::string(signal) + ".nrmse"]["value"].get<double>(), after, 1e-6 * after) << signal;
+  }
+  // That start belongs to that record alone.
+  EXPECT_NEAR(other["T_shaft.nrmse"]["value"].get<double>(),
+              result["gain"]["holdout"]["T_shaft"]["nrmse_after"].get<double>(), 0.01)
+      << ReadBytes(bench_ / "found/extended.toml");
+}
+
 TEST_F(Measured, AnOffsetOfTheGasPressureIsNotToldFromThePreload) {
   Record({"diagnose/fuel_gas", "--set", "run.duration_s=8.0"}, "out/diagnose/fuel_gas.h5", {"p_mem", "q_e"}, {"p_g"});
   for (double& p_g : columns_.back().values) p_g += 5000.0;  // 100 N on the membrane, half of the pre-load
@@ -179,6 +210,43 @@ TEST_F(Measured, ValuesOfALineWithPlayThatAreALittleOffAreNoEffect) {
   const nlohmann::json result =
       bench_.Json({"diagnose", "diagnose/backlash", "--data", "record.csv", "--out", "found"});
   EXPECT_EQ(result["verdict"], "no_effect") << result.dump(1);
+}
+
+TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
+  const auto check = [&] {
+    const Outcome outcome = Call({"check-data", "record.csv", "--scenario", "line.toml", "--json", "check.json"});
+    std::map<std::string, nlohmann::json> distances;
+    const nlohmann::json document = nlohmann::json::parse(ReadBytes(bench_ / "check.json"));
+    for (const nlohmann::json& finding : document["findings"]) {
+      if (finding["kind"] == "distance") distances[finding["column"]] = finding;
+    }
+    return std::pair(outcome, distances);
+  };
+  Record("");
+  const auto [same, near] = check();
+  EXPECT_EQ(same.exit, 0) << same.Both();
+  ASSERT_EQ(near.size(), 2u) << same.Both();
+  for (const auto& [name, finding] : near) EXPECT_NEAR(finding["nrmse"].get<double>(), 0.01, 0.001) << name;
+  EXPECT_THAT(same.out, HasSubstr("of its own spread off the simulation (NRMSE)"));
+  // Of this machine, and far from its model: no fault of the record.
+  Record("plant.inertia.I3=0.9");
+  const auto [changed, apart] = check();
+  EXPECT_EQ(changed.exit, 0) << changed.Both();
+  EXPECT_GT(apart.at("T_shaft")["nrmse"], 0.5);
+  // Invented: seeded noise of the same size.
+  std::uint64_t state = 1;
+  for (std::size_t i = columns_.size() - 2; i < columns_.size(); ++i) {
+    const double size = *std::max_element(columns_[i].values.begin(), columns_[i].values.end());
+    for (double& value : columns_[i].values) {
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      value = size * (static_cast<double>(state >> 11) * 0x1p-53 - 0.5);
+    }
+  }
+  Write();
+  const auto [invented, off] = check();
+  EXPECT_EQ(invented.exit, 2) << invented.Both();
+  EXPECT_THAT(invented.out, HasSubstr("nothing to do with this scenario"));
+  for (const auto& [name, finding] : off) EXPECT_TRUE(finding["fault"]) << finding;
 }
 
 TEST_F(Measured, OfAnotherMachineIsRefused) {

@@ -147,6 +147,50 @@ TEST_F(Identify, TheScenarioThatItWritesRunsAsTheFitDid) {
   EXPECT_EQ(again["parameters"][kInertia]["nominal"], fit["parameters"][kInertia]["value"]);
 }
 
+TEST_F(Identify, AnEffectOfTheScenarioActsOnceInWhatItWrites) {
+  Record({"plant.inertia.I3=0.55"});
+  // Effects that act on what is freed: a number, a list of stages, a part of their own; and one that does not.
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"name = \"inertia_change\"\nat = \"inertia:I3\"\nparameters = { delta = -0.2 }", kInertia},
+      {"name = \"sensor_gain\"\nat = \"output:T_shaft\"\nparameters = { g = 1.05 }", "output.T_shaft.sensor.0.gain"},
+      {"name = \"coulomb_friction\"\nat = \"inertia:I2\"\nparameters = { T_c = 0.5 }", kInertia}};
+  for (const auto& [effect, key] : cases) {
+    bench_.Write("with_effect.toml", std::string(Bench::kLine) + "\n[[effect]]\n" + effect + "\n");
+    const nlohmann::json fit = bench_.Json({"identify", "with_effect.toml", "--data", "record.csv", "--free", key,
+                                            "--starts", "1", "--out", "found.toml"});
+    ASSERT_EQ(fit["exit"], 0) << fit.dump(1);
+    const nlohmann::json again =
+        bench_.Json({"identify", "found.toml", "--data", "record.csv", "--free", key, "--starts", "1"});
+    EXPECT_NEAR(again["nrmse_before"].get<double>(), fit["nrmse_after"].get<double>(), 1e-9)
+        << effect << ReadBytes(bench_ / "found.toml");
+    EXPECT_EQ(again["parameters"][key]["nominal"], fit["parameters"][key]["value"]) << effect;
+    EXPECT_EQ(bench_.Call({"validate", "found.toml"}).exit, 0);
+  }
+}
+
+TEST_F(Identify, FreesANumberThatIsLeftToItsDefault) {
+  Record();
+  std::string text = Bench::kLine;
+  text.replace(text.find("[plant.shaft.k2]"), 16, "[plant.shaft.k2]\nlaw = \"spring_damper\"");
+  text.replace(text.find("damping_Nms_per_rad = 6.0\n"), 26, "");
+  bench_.Write("short.toml", text);
+  const std::string damping = "plant.shaft.k2.damping_Nms_per_rad";
+  const nlohmann::json fit = bench_.Json({"identify", "short.toml", "--data", "record.csv", "--free", damping,
+                                          "--bound", damping + "=1:20", "--out", "found.toml"});
+  ASSERT_EQ(fit["exit"], 0) << fit.dump(1);
+  EXPECT_EQ(fit["parameters"][damping]["nominal"], 0.0);
+  ExpectInside(fit["parameters"][damping], 6.0);
+  EXPECT_EQ(bench_.Call({"identify", "found.toml", "--data", "record.csv", "--free", damping}).exit, 0);
+  // A default of 0 gives no place to start from, and a name that is none gets the one that was meant.
+  const Outcome zero = bench_.Call({"identify", "short.toml", "--data", "record.csv", "--free", damping});
+  EXPECT_EQ(zero.exit, 2);
+  EXPECT_THAT(zero.err, HasSubstr("--bound " + damping + "=LOW:HIGH"));
+  const Outcome typo =
+      bench_.Call({"identify", "short.toml", "--data", "record.csv", "--free", "plant.shaft.k2.dampng_Nms_per_rad"});
+  EXPECT_EQ(typo.exit, 2);
+  EXPECT_THAT(typo.err, HasSubstr("did you mean \"" + damping + "\"?"));
+}
+
 TEST_F(Identify, FaultsOfTheCallAreAllNamed) {
   Record();
   const std::string damping = "plant.shaft.k1.damping_Nms_per_rad";

@@ -29,8 +29,9 @@ class Margins(unittest.TestCase):
         self.assertEqual(self.margins(check("exact", 0.0, 0.0), check("usual", 0.1, 1.0)), [[], []])
 
     def test_a_check_that_must_exceed_its_limit_is_read_the_other_way_round(self):
-        close, far = self.margins(check("just", 0.11, 0.1), check("far above", 50.0, 0.1),
-                                  check("fell short", 0.09, 0.1, "fail"))
+        close, far = self.margins(*(check(*values, limit_is="at_least")
+                                    for values in (("just", 0.11, 0.1), ("far above", 50.0, 0.1),
+                                                   ("fell short", 0.09, 0.1, "fail"))))
         self.assertEqual((close, far), (["fell short", "just"], ["far above"]))
 
     def test_what_came_to_no_number_is_listed_first(self):

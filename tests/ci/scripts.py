@@ -7,9 +7,9 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 
-def check(name, value, limit, verdict="pass", kind="oracle"):
-    return {"name": name, "kind": kind, "verdict": verdict, "value": value, "limit": limit, "unit": "1",
-            "origin": "made up", "explanation": ""}
+def check(name, value, limit, verdict="pass", kind="oracle", limit_is="at_most"):
+    return {"name": name, "kind": kind, "verdict": verdict, "value": value, "limit": limit,
+            "limit_is": limit_is, "unit": "1", "origin": "made up", "explanation": ""}
 
 
 def run_of(*checks, scenario="a/b"):

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 namespace dynoproof::reports {
 namespace {
 
@@ -51,6 +53,22 @@ TEST(Markdown, OfOneScenarioWithVeryMuchToSayKeepsIt) {
   EXPECT_THAT(text, HasSubstr("| loud | fail | 3000 |"));
   EXPECT_THAT(text, HasSubstr("- **loud**: check 0"));
   EXPECT_THAT(text, HasSubstr("left out for size"));
+}
+
+TEST(LowerBound, IsSaidToBeOneWhereverItIsShown) {
+  ScenarioResult result = Result("play", score::Verdict::kPass, 0, "");
+  result.checks = {score::AtMost("near", "contacts", 0.2, 0.3, "1", "made up"),
+                   score::AtLeast("apart", "contacts", 0.484, 0.1, "1", "made up")};
+  // 0.2 of 0.3 is nearer to falling than 0.484 is to 0.1.
+  EXPECT_EQ(WorstCheck(result)->name, "near");
+  result.checks[1].value = 0.11;
+  EXPECT_THAT(ToTable({result}, false), HasSubstr("apart: 0.11 (at least 0.1)"));
+  EXPECT_THAT(ToMarkdown({result}), HasSubstr("0.11 (at least 0.1)"));
+  const nlohmann::json checks = ToJson({result})["scenarios"][0]["checks"];
+  EXPECT_EQ(checks[0]["limit_is"], "at_most");
+  EXPECT_EQ(checks[1]["limit_is"], "at_least");
+  result.checks[1].verdict = result.verdict = score::Verdict::kFail;
+  EXPECT_THAT(ToCards({result}, {{"play", "dynoproof run play"}}, false), HasSubstr("0.11 (at least 0.1)"));
 }
 
 }  // namespace

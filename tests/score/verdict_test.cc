@@ -70,5 +70,18 @@ TEST(Verdict, OutcomeThatFailedStaysFailedWhateverItsNumber) {
   EXPECT_EQ(check.explanation, "why");
 }
 
+TEST(Verdict, ALowerBoundHoldsFromItsLimitOn) {
+  EXPECT_EQ(AtLeast("", "", 0.484, 0.1, "1", "").verdict, Verdict::kPass);
+  EXPECT_EQ(AtLeast("", "", 0.1, 0.1, "1", "").verdict, Verdict::kPass);
+  const Check fallen = AtLeast("", "", 0.05, 0.1, "1", "");
+  EXPECT_EQ(fallen.verdict, Verdict::kFail);
+  EXPECT_NE(fallen.explanation, "");
+  for (const Check& check : {AtLeast("", "", std::nan(""), 0.1, "1", ""), AtLeast("", "", INFINITY, 0.1, "1", ""),
+                             AtLeast("", "", 1.0, -INFINITY, "1", "")})
+    EXPECT_EQ(check.verdict, Verdict::kFail);
+  EXPECT_TRUE(fallen.at_least);
+  EXPECT_FALSE(AtMost("", "", 0.05, 0.1, "1", "").at_least);
+}
+
 }  // namespace
 }  // namespace dynoproof::score
