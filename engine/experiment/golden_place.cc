@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "base/text.h"
 #include "experiment/golden.h"
 #include "scenario/load.h"
 
@@ -15,9 +16,9 @@ GoldenPlace GoldenPlaceOf(const Plan& plan, const std::string& folder) {
   const fs::path file = plan.file;
   const fs::path place = !folder.empty() ? fs::path(folder) : own ? file.parent_path() : fs::path(GoldenFolder());
   const std::string stem = (place / (own ? file.stem().string() + ".golden" : plan.id)).string();
-  const std::string named = folder.empty() ? "" : " --golden " + folder;
+  const std::string named = folder.empty() ? "" : " --golden " + ShellQuoted(folder);
   return {stem + ".h5", stem + ".toml",
-          fmt::format("dynoproof bless {}{} --reason TEXT", own ? plan.file : plan.id, named)};
+          fmt::format("dynoproof bless {}{} --reason TEXT", own ? ShellQuoted(plan.file) : plan.id, named)};
 }
 
 }  // namespace dynoproof
