@@ -156,7 +156,7 @@ TEST(Again, WorksWhenPasted) {
   const Bench bench;
   bench.Write("my lines/it's mine.toml", Bench::kLine);
   for (const Words& more : std::vector<Words>{{}, {"--solver", "reference"}, {"--set", "title=\"not as 'it' was\""}}) {
-    Words words = {"run", "my lines/it's mine.toml", "--set", "check.1.nrmse=1e-30"};
+    Words words = {"run", "my lines/it's mine.toml", "--set", "check.0.nrmse=1e-30", "--set", "check.1.nrmse=1e-30"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome first = bench.Call(words);
     ASSERT_EQ(first.exit, 1) << first.Both();
@@ -221,30 +221,32 @@ TEST(Run, InterruptedSaysWhatIsDone) {
   EXPECT_FALSE(std::filesystem::exists(bench / "j.xml"));
 }
 
-/// line.toml with one text replaced by another.
-std::string Changed(const std::string& what, const std::string& by) {
-  std::string text = Bench::kLine;
-  text.replace(text.find(what), what.size(), by);
-  return text;
+/// A text with a part of it replaced.
+std::string Changed(std::string text, const std::string& what, const std::string& by) {
+  return text.replace(text.find(what), what.size(), by);
 }
 
 const std::string kSolversCheck =
-    "[[check]]\nkind = \"solvers\"\nsignal = \"T_shaft\"\nnrmse = 1e-6\n"
-    "origin = \"discretisation\"\n";
+    "[[check]]\nkind = \"solvers\"\nsignal = \"T_shaft\"\nnrmse = 1e-6\norigin = \"discretisation\"\n";
+/// line.toml, with bounds in place of its oracle, which knows linear lines alone.
+const std::string kBounded =
+    Changed(Bench::kLine,
+            "kind = \"oracle\"\noracle = \"held_input_exponential\"\nsignal = \"T_shaft\"\nnrmse = 1e-9\norigin = "
+            "\"round-off\"",
+            "kind = \"bounded\"\nsignal = \"T_shaft\"\nbetween = [-1e6, 1e6]\norigin = \"wide\"");
 
 TEST(Warnings, OfValidateAndRunAreTheSameAndNoFault) {
   const Bench bench;
   const std::string nonlinear = "law = \"phase_plane\"\nhalf_gap_rad = 0.001\nstiffness_Nm_per_rad = 2.5e5";
-  std::string play = Changed("stiffness_Nm_per_rad = 2.5e5", nonlinear);
+  const std::string play = Changed(kBounded, "stiffness_Nm_per_rad = 2.5e5", nonlinear);
   bench.Write("compared.toml", play);
-  play.replace(play.find(kSolversCheck), kSolversCheck.size(), "");
-  bench.Write("play.toml", play);
-  bench.Write("loose.toml", Changed("nrmse = 1e-6", "nrmse = 1e300"));
-  bench.Write("fast.toml", Changed("end_Hz = 400.0", "end_Hz = 6000.0"));
+  bench.Write("play.toml", Changed(play, kSolversCheck, ""));
+  bench.Write("loose.toml", Changed(kBounded, "nrmse = 1e-6", "nrmse = 1e300"));
+  bench.Write("fast.toml", Changed(kBounded, "end_Hz = 400.0", "end_Hz = 6000.0"));
   const std::string line = Bench::kLine;
   bench.Write("unchecked.toml", line.substr(0, line.find("[[check]]")));
   // Nonlinear by what the plant declares: friction, and an effect that puts it there.
-  const std::string without = Changed(kSolversCheck, "");
+  const std::string without = Changed(kBounded, kSolversCheck, "");
   bench.Write("friction.toml", without + "\n[plant.load.bearing]\non = \"I3\"\nlaw = \"coulomb\"\nT_c_Nm = 1.0\n");
   bench.Write("effect.toml", without +
                                  "\n[[effect]]\nname = \"coulomb_friction\"\nat = \"inertia:I3\"\n"
