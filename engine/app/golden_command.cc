@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -164,6 +165,13 @@ int Bless(const BlessArguments& arguments) {
   }
   if (*evidence && !(*evidence)->lacking.empty())
     return refuse((*evidence)->lacking + "\n" + diagnosis::ToTable(**evidence));
+  const std::vector<std::string> checks = StatedChecks(prepared->plan);
+  if (std::find(checks.begin(), checks.end(), "golden") == checks.end()) {
+    return refuse(
+        fmt::format("no check of {} would compare with what is blessed; add to the file\n\n"
+                    "[[check]]\nkind = \"golden\"\n",
+                    prepared->plan.id));
+  }
   const std::filesystem::path out =
       std::filesystem::temp_directory_path() / fmt::format("dynoproof-bless-{}", getpid());
   RunOptions options;
@@ -193,7 +201,7 @@ int Bless(const BlessArguments& arguments) {
     return kBroken;
   }
   const std::string kept_reason = ReasonWith(reason, *evidence);
-  const GoldenRun golden_run{*trace, others->trace, StatedChecks(prepared->plan), kept_reason};
+  const GoldenRun golden_run{*trace, others->trace, checks, kept_reason};
   if (const Status failed = WriteGolden(prepared->golden, golden_run)) {
     Complain(failed->ToString() + "\n");
     return failed->exit_code == 2 ? kUsage : kBroken;

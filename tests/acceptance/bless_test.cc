@@ -19,7 +19,7 @@ constexpr const char* kChanged = "plant.inertia.I3=0.65";  // 30 % more
 class Extension : public Project {
  protected:
   void SetUp() override {
-    bench_.Write("scenarios/line.toml", Bench::kLine);
+    bench_.Write("scenarios/line.toml", std::string(Bench::kLine) + "\n[[check]]\nkind = \"golden\"\n");
     Extend("[]", "[[effect]]\nname = \"inertia_change\"\nat = \"inertia:I3\"\nparameters = { delta = 0.3 }\n");
     Begin();
     Record("changed.csv", {kChanged, "input.T_airgap.source.amplitude=80.0"}, 3);
@@ -50,7 +50,8 @@ class Extension : public Project {
   }
 
   static constexpr const char* kSolvers =
-      "\n[[check]]\nkind = \"solvers\"\nsignal = \"T_shaft\"\nnrmse = 1e-6\norigin = \"discretisation\"\n";
+      "\n[[check]]\nkind = \"solvers\"\nsignal = \"T_shaft\"\nnrmse = 1e-6\norigin = \"discretisation\"\n"
+      "\n[[check]]\nkind = \"golden\"\n";
   std::vector<trace::Column> columns_;
 };
 

@@ -103,7 +103,13 @@ TEST_F(Project, TakesWhatADiagnosisHasExtended) {
   const Outcome known = bench_.Call({"bless", "extended", "--reason", "r", "--holdout", "renamed.csv"}, options_);
   EXPECT_EQ(known.exit, 2) << known.Both();
   EXPECT_THAT(known.err, HasSubstr("is what the extension was found in"));
-  const Outcome blessed = bench_.Call({"bless", "extended", "--reason", "r", "--holdout", "holdout.csv"}, options_);
+  const std::vector<std::string> bless = {"bless", "extended", "--reason", "r", "--holdout", "holdout.csv"};
+  const Outcome compared_with_nothing = bench_.Call(bless, options_);
+  EXPECT_EQ(compared_with_nothing.exit, 2) << compared_with_nothing.Both();
+  EXPECT_THAT(compared_with_nothing.err, HasSubstr("kind = \"golden\""));
+  bench_.Write("scenarios/extended.toml",
+               ReadBytes(bench_ / "scenarios/extended.toml") + "\n[[check]]\nkind = \"golden\"\n");
+  const Outcome blessed = bench_.Call(bless, options_);
   EXPECT_EQ(blessed.exit, 0) << blessed.Both();
 }
 
