@@ -33,9 +33,13 @@ std::string TitleOf(const std::string& chapter) {
 
 std::string Number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
 
-/// Origin of the tolerance and what is assumed, each as a note.
-std::string Notes(const Claim& claim) {
+/// What to know of a claim: the explanation, or why there is no figure; the origin of the tolerance; what is assumed.
+/// Under the claim and not beside it, so that the figures stay in sight on a narrow page.
+std::string Notes(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  const std::string& explanation = result.fault.empty() ? claim.explanation : result.fault;
   std::string notes;
+  if (!explanation.empty()) notes += fmt::format("<div>{}</div>", Escape(explanation));
   if (!claim.origin.empty()) notes += fmt::format("<div class=\"note\">allowed: {}</div>", Escape(claim.origin));
   if (!claim.assumed.empty()) notes += fmt::format("<div class=\"note\">assumed: {}</div>", Escape(claim.assumed));
   return notes;
@@ -48,18 +52,16 @@ std::string ClaimRow(const ClaimResult& result) {
   std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
   if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
   const std::string allowed = AllowedText(claim);
-  return Row(
-      std::vector<Cell>{{Escape(claim.id), "key"},
-                        {Escape(claim.place)},
-                        {Escape(claim.claim), "wide"},
-                        {Number(claim.thesis), "number"},
-                        {Number(claim.independent), "number"},
-                        {Number(ours), "number"},
-                        {allowed.empty() ? "–" : Escape(allowed), "number"},
-                        {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
-                        {Escape(claim.unit == "1" ? "" : claim.unit)},
-                        {fmt::format("<span class=\"verdict {}\">{}</span>", standing, Escape(says))},
-                        {Escape(result.fault.empty() ? claim.explanation : result.fault) + Notes(claim), "wide"}});
+  return Row(std::vector<Cell>{{Escape(claim.id), "key"},
+                               {Escape(claim.place)},
+                               {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "wide"},
+                               {Number(claim.thesis), "number"},
+                               {Number(claim.independent), "number"},
+                               {Number(ours), "number"},
+                               {allowed.empty() ? "–" : Escape(allowed), "number"},
+                               {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
+                               {Escape(claim.unit == "1" ? "" : claim.unit)},
+                               {fmt::format("<span class=\"verdict {}\">{}</span>", standing, Escape(says))}});
 }
 
 /// What the thesis says of it and what comes out here, in one line.
@@ -139,15 +141,14 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
     if (!chapter.rows.empty()) {
       parts += Table(std::vector<Cell>{{"claim"},
                                        {"place"},
-                                       {"what it says"},
+                                       {"what it says, and what to know of it"},
                                        {"thesis says", "number"},
                                        {"independent", "number"},
                                        {"ours", "number"},
                                        {"allowed", "number"},
                                        {"deviation", "number"},
                                        {"unit"},
-                                       {"standing"},
-                                       {"explanation, tolerance, assumptions"}},
+                                       {"standing"}},
                      chapter.rows);
     }
     parts += chapter.figures + "</details>\n";
