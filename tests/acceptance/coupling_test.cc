@@ -66,7 +66,8 @@ parameters = { k_s = 78e3, kappa_p = 190.0, k_p_kappa_w = 154e3 }
   const nlohmann::json document = bench.Json({"run", "truth.toml"});
   ASSERT_EQ(document.at("scenarios").size(), 1u);
   EXPECT_EQ(document["scenarios"][0]["verdict"], "pass") << document.dump(2);
-  EXPECT_EQ(document["scenarios"][0]["checks"].size(), 3u);
+  EXPECT_EQ(document["scenarios"][0]["checks"].size(),
+            4u);  // T and omega_d, each against the oracle and the other solver
 }
 
 }  // namespace
