@@ -18,7 +18,7 @@ int Report(const Diagnostics& diagnostics);
 
 /// One diagnostic as the documents have it.
 nlohmann::json AsJson(const Diagnostic& diagnostic);
-/// What the command found out; without it the document has nothing but exit and diagnostics.
+/// Keeps a command's result for the document; a command that keeps none leaves exit and diagnostics alone in it.
 void KeepJson(nlohmann::json document);
 
 /// Where --json asks for the document, empty where it does not. Read from the words themselves: an error of usage ends

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -90,7 +89,7 @@ struct Tree {
   std::string note;     // what the user should know all the same
 };
 
-/// Of the program's own scenarios: everything in their tree but golden/.
+/// The tree of the program's own scenarios: nothing in it but golden/ may be changed.
 Tree ProgramTree() {
   // Asked of the folder that holds golden/, which the first bless has yet to make.
   const std::string tree = (std::filesystem::absolute(GoldenFolder()) / "..").lexically_normal().string();
@@ -101,8 +100,8 @@ Tree ProgramTree() {
   return {FaultOfStamp(tree), ""};
 }
 
-/// Of a user's scenario: everything in the repository that holds it but golden files. Outside any repository there is
-/// nothing to ask, which is said and no refusal.
+/// The repository that holds a user's scenario: nothing in it but golden files may be changed. Outside any repository
+/// there is nothing to ask, which is said and no refusal.
 Tree UserTree(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -166,7 +165,7 @@ int Bless(const BlessArguments& arguments) {
   if (*evidence && !(*evidence)->lacking.empty())
     return refuse((*evidence)->lacking + "\n" + diagnosis::ToTable(**evidence));
   const std::vector<std::string> checks = StatedChecks(prepared->plan);
-  if (std::find(checks.begin(), checks.end(), "golden") == checks.end()) {
+  if (!ComparesWithGolden(checks)) {
     return refuse(
         fmt::format("no check of {} would compare with what is blessed; add to the file\n\n"
                     "[[check]]\nkind = \"golden\"\n",

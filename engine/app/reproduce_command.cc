@@ -43,7 +43,7 @@ std::string Row(const ClaimResult& result) {
   return row;
 }
 
-/// What the row alone does not tell.
+/// The lines under a claim's row: its origin, assumptions and explanation.
 std::string Words(const Claim& claim) {
   std::string text = fmt::format("  {}\n", claim.claim);
   if (!claim.origin.empty()) text += fmt::format("  allowed: {}\n", claim.origin);

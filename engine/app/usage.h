@@ -7,7 +7,7 @@
 
 namespace dynoproof::app {
 
-/// What is wrong with the call, with the command or option that was probably meant.
+/// The faults of a call, each with the nearest command or option as a suggestion.
 Diagnostics UsageFaults(const CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace dynoproof::app

@@ -21,7 +21,7 @@ void Diagnostics::Error(const SourceSpan& where, std::string message, std::strin
 }
 
 void Diagnostics::Warning(const SourceSpan& where, std::string message, std::string hint, std::string more) {
-  // What is built several times, such as the source of a scenario with variants, warns once.
+  // A component that is built several times, such as the source of a scenario with variants, warns once.
   const bool known = std::any_of(items_.begin(), items_.end(), [&](const Diagnostic& item) {
     return item.severity == Diagnostic::Severity::kWarning && item.message == message &&
            std::tie(item.where.file, item.where.line, item.where.column) ==

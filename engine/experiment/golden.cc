@@ -177,10 +177,12 @@ std::vector<std::string> StatedChecks(const Plan& plan) {
   return stated;
 }
 
+bool ComparesWithGolden(const std::vector<std::string>& stated) {
+  return std::find(stated.begin(), stated.end(), GoldenCheck::kName) != stated.end();
+}
+
 std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan) {
-  const std::vector<std::string> stated = StatedChecks(plan);
-  if (std::error_code error;
-      std::find(stated.begin(), stated.end(), GoldenCheck::kName) != stated.end() || !fs::exists(place.trace, error))
+  if (std::error_code error; ComparesWithGolden(StatedChecks(plan)) || !fs::exists(place.trace, error))
     return std::nullopt;
   return Failed("golden", "tube",
                 fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "

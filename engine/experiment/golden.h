@@ -20,8 +20,8 @@ struct GoldenTolerances {
     double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
     double time_half_width_s = 0.0;
     std::string origin =
-        "the same solver and steps: other vector instructions and compilers were seen to differ by 1.3 % of this "
-        "(ci/spread.py)";
+        "the same solver and steps: on the shipped scenarios other vector instructions and compilers differ by at most "
+        "1.3 % of this (ci/spread.py)";
     double other_solver_width = 0.0;  // for a run of the other solver; 0: how far that may be is not known
     std::string other_solver_origin;
     void Visit(auto& v) {
@@ -73,6 +73,9 @@ trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
 /// one for checks that the scenario no longer states. A missing or unreadable golden file, or a trace that is not the
 /// one of the tolerance file, is a failed check.
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run);
+
+/// Whether a scenario with these StatedChecks() compares with its golden data.
+bool ComparesWithGolden(const std::vector<std::string>& stated);
 
 /// A scenario that has golden data and no check of kind `golden` compares nothing with them: a failed check then.
 std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan);
