@@ -217,6 +217,11 @@ bool StartAsFitted(const MappedRecord& data, Plan& plan, Diagnostics& diagnostic
   return true;
 }
 
+/// Whether "KEY=VALUE" gives a whole list of checks, not a key of one.
+bool GivesChecks(const std::string& change) {
+  return change.starts_with("check") && change.find_first_not_of(" \t", 5) == change.find('=');
+}
+
 }  // namespace
 
 std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
@@ -235,6 +240,7 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
   if (prepared != nullptr && as_fitted)
     prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");
   if (prepared != nullptr && !options.overrides.empty()) {
+    prepared->checks_as_written = std::none_of(options.overrides.begin(), options.overrides.end(), GivesChecks);
     prepared->notes.push_back("changed by --set; golden traces and stated limits belong to the scenario as written");
   }
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;

@@ -26,6 +26,7 @@ struct Prepared {
   std::optional<RecordSettings> record;
   std::shared_ptr<const MappedRecord> data;  // of [record] file: drives the inputs it has
   GoldenPlace golden;                        // where its golden data lie
+  bool checks_as_written = true;             // no --set gave other checks than the scenario's own
   std::string record_fault;                  // why there is no such record: the scenario fails
   /// [variant.NAME]: the scenario with some values changed; its outputs are recorded as OUTPUT_NAME.
   struct Variant {

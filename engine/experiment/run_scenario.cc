@@ -190,8 +190,10 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     }
     result.checks.insert(result.checks.end(), made.begin(), made.end());
   }
-  if (std::optional<score::Check> gone = GoldenNotStated(prepared.golden, prepared.plan))
-    result.checks.push_back(std::move(*gone));
+  // Checks that --set gives in place of the scenario's own are asked for alone.
+  std::optional<score::Check> gone;
+  if (prepared.checks_as_written) gone = GoldenNotStated(prepared.golden, prepared.plan);
+  if (gone) result.checks.push_back(std::move(*gone));
   result.figures = std::move(context.figures);
   if (data != nullptr) {
     result.notes.insert(result.notes.end(), data->notes.begin(), data->notes.end());

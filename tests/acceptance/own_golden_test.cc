@@ -65,6 +65,18 @@ TEST_F(OwnGolden, LiesBesideTheScenario) {
   EXPECT_THAT(ReadBytes(bench_ / "report.html"), HasSubstr("T_shaft leaves the tube around the golden trace"));
 }
 
+TEST_F(OwnGolden, IsAskedForByTheScenarioAndNotByChecksOfTheCommandLine) {
+  Commit();
+  ASSERT_EQ(Bless().exit, 0);
+  const std::string others = R"(check=[{kind="bounded", signal="T_shaft", between=[-1e6, 1e6], origin="goal"}])";
+  EXPECT_EQ(Run({"--set", others}).exit, 0) << Run({"--set", others}).Both();
+  bench_.Write("lines/mine.toml", Bench::kLine);
+  const Outcome run = Run();
+  EXPECT_EQ(run.exit, 1) << run.Both();
+  EXPECT_THAT(run.out, HasSubstr("no [[check]] with kind = \"golden\" compares"));
+  EXPECT_EQ(Run({"--set", "plant.inertia.I3=0.501"}).exit, 1);
+}
+
 TEST_F(OwnGolden, IsNoScenarioOfItsFolder) {
   Commit();
   ASSERT_EQ(Bless().exit, 0);
