@@ -7,8 +7,8 @@
 
 #include "base/subnormals.h"
 #include "experiment/prepare.h"
-#include "mechanics/batch_propagator.h"
-#include "mechanics/propagator.h"
+#include "linear/batch_propagator.h"
+#include "linear/propagator.h"
 #include "sim/linear_group.h"
 
 namespace {

@@ -13,8 +13,8 @@
 #include "control10k/classical.h"
 #include "control10k/core.h"
 #include "control10k/torque_control.h"
-#include "experiment/suppression_loop.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
+#include "thesis/suppression_loop.h"
 
 namespace dynoproof {
 namespace {

@@ -17,9 +17,9 @@
 
 #include "base/subnormals.h"
 #include "bench/clock.h"
-#include "mechanics/aligned_vector.h"
-#include "mechanics/energy_coordinates.h"
-#include "mechanics/propagator.h"
+#include "linear/aligned_vector.h"
+#include "linear/energy_coordinates.h"
+#include "linear/propagator.h"
 #include "tests/support/held_reference.h"
 #include "tests/support/plants.h"
 

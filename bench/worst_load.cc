@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "experiment/suppression_case.h"
+#include "thesis/suppression_case.h"
 
 int main(int argc, char** argv) {
   using namespace dynoproof;

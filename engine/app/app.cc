@@ -10,6 +10,9 @@
 #include "base/atomic_file.h"
 #include "model/plugin_loader.h"
 #include "reports/html.h"
+#ifdef DYNOPROOF_THESIS
+#include "thesis/register.h"
+#endif
 
 namespace dynoproof::app {
 
@@ -63,6 +66,9 @@ bool ColourOn(int descriptor) {
 std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics) {
   auto registry = std::make_unique<Registry>();
   RegisterBuiltIns(*registry);
+#ifdef DYNOPROOF_THESIS
+  RegisterThesis(*registry);
+#endif
   for (const std::string& file : PluginFiles(common.plugins, diagnostics)) {
     if (const Status failed = LoadPlugin(file, *registry)) diagnostics.Error({failed->signal}, failed->message);
   }

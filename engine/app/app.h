@@ -51,13 +51,11 @@ void AddExamples(CLI::App& command, const std::string& examples);
 /// Each adds its subcommand; `exit` is set by the one that runs.
 void AddRun(CLI::App& program, int& exit);
 void AddModes(CLI::App& program, int& exit);
-void AddCoupling(CLI::App& program, int& exit);
 void AddList(CLI::App& program, int& exit);
 void AddDescribe(CLI::App& program, int& exit);
 void AddValidate(CLI::App& program, int& exit);
 void AddNew(CLI::App& program, int& exit);
 void AddCompare(CLI::App& program, int& exit);
-void AddReproduce(CLI::App& program, int& exit);
 void AddBench(CLI::App& program, int& exit);
 void AddSweep(CLI::App& program, int& exit);
 void AddDiagnose(CLI::App& program, int& exit);

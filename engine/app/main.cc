@@ -10,6 +10,9 @@
 #include "app/measured.h"
 #include "app/usage.h"
 #include "experiment/build_info.h"
+#ifdef DYNOPROOF_THESIS
+#include "thesis/commands/commands.h"
+#endif
 
 int main(int argc, char** argv) {
   using namespace dynoproof;  // NOLINT(google-build-using-namespace): the program itself
@@ -25,8 +28,10 @@ int main(int argc, char** argv) {
   int exit = app::kGood;
   app::AddRun(program, exit);
   app::AddModes(program, exit);
+#ifdef DYNOPROOF_THESIS
   app::AddCoupling(program, exit);
   app::AddReproduce(program, exit);
+#endif
   app::AddCompare(program, exit);
   app::AddCheckData(program, exit);
   app::AddIdentify(program, exit);

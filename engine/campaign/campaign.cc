@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "base/text.h"
 #include "campaign/command_subject.h"
 #include "campaign/scenario_subject.h"
-#include "campaign/suppression_subject.h"
 #include "experiment/build_info.h"
 #include "scenario/load.h"
 
@@ -16,6 +16,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMostRuns = 100'000'000;
+
+std::map<std::string, StudyMaker>& Studies() {
+  static std::map<std::string, StudyMaker> studies;
+  return studies;
+}
+
+std::vector<std::string> StudyNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, maker] : Studies()) names.push_back(name);
+  return names;
+}
 
 /// The campaign file.
 struct Spec {
@@ -36,7 +47,7 @@ struct Spec {
     v.Optional("data", data, Any(), "records of diagnose; {KEY} stands for an axis");
     v.Optional("map", map, Any(), "their maps");
     v.Optional("holdout", holdout, Any(), "its hold-out records");
-    v.Optional("study", study, std::vector<std::string>{"suppression"}, "instead: a study of the engine");
+    v.Optional("study", study, StudyNames(), "instead: a study of the engine");
     v.Optional("command", command, Any(), "instead: a program and its arguments, {KEY} standing for an axis");
     v.Optional("parameters", parameters, Any(), "values of the study for all runs");
     v.Optional("set", set, Any(), "KEY=VALUE changes of the scenario for all runs");
@@ -125,7 +136,7 @@ std::vector<std::string> DiagnoseCommand(const Spec& spec, const Axes& axes) {
 std::unique_ptr<Subject> MakeSubject(Spec& spec, const Value& root, const std::string& file, const std::string& folder,
                                      Axes& axes, const Registry& registry, std::string& text,
                                      Diagnostics& diagnostics) {
-  if (!spec.study.empty()) return MakeSuppressionSubject(spec.parameters, root, axes, diagnostics);
+  if (!spec.study.empty()) return Studies().at(spec.study)(spec.parameters, root, axes, diagnostics);
   if (!spec.diagnose.empty()) spec.command = DiagnoseCommand(spec, axes);
   if (!spec.command.empty())
     return MakeCommandSubject(std::move(spec.command), std::move(spec.figure), root, axes, folder, diagnostics);
@@ -144,6 +155,8 @@ std::unique_ptr<Subject> MakeSubject(Spec& spec, const Value& root, const std::s
 }
 
 }  // namespace
+
+void AddStudy(const std::string& name, StudyMaker maker) { Studies()[name] = maker; }
 
 std::unique_ptr<Campaign> LoadCampaign(const std::string& file, const std::string& folder, const Registry& registry,
                                        Diagnostics& diagnostics) {

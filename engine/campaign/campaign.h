@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "campaign/axes.h"
@@ -48,6 +49,12 @@ struct Campaign {
   std::vector<std::pair<std::string, RateSpec>> rates;
   SlurmSpec slurm;
 };
+
+/// A study of a layer above as a campaign's subject (`study = "NAME"`). `parameters`: what is the same in all runs; the
+/// axes name the others. Null with the faults in the diagnostics.
+using StudyMaker = std::unique_ptr<Subject> (*)(const std::vector<std::pair<std::string, Value>>& parameters,
+                                                const Value& root, const Axes& axes, Diagnostics& diagnostics);
+void AddStudy(const std::string& name, StudyMaker maker);
 
 /// Reads the file and tries the campaign's corners: every fault of file, axes and scenario is found before anything
 /// runs. Null when there was any. `folder` is where the results will be.

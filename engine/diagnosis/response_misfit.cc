@@ -12,7 +12,7 @@
 #include "diagnosis/step_spectrum.h"
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
-#include "mechanics/symmetric_eigen.h"
+#include "linear/symmetric_eigen.h"
 #include "score/peaks.h"
 #include "score/response.h"
 

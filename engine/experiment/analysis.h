@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/status.h"
-#include "mechanics/frequency_response.h"
-#include "mechanics/modes.h"
-#include "mechanics/zeros.h"
+#include "linear/frequency_response.h"
+#include "linear/modes.h"
+#include "linear/zeros.h"
 #include "sim/rig.h"
 
 namespace dynoproof {

@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "experiment/check_kinds.h"
-#include "experiment/check_load_step.h"
-#include "experiment/check_pressure.h"
-#include "experiment/check_suppression.h"
 #include "experiment/why.h"
 #include "oracles/oracle.h"
 #include "score/nrmse.h"
@@ -42,6 +38,36 @@ score::Series SeriesOf(const Samples& samples, const Rig& rig, const std::string
     return {samples.time, samples.inputs[input], score::Interpolation::kHold};
   }
   return {};
+}
+
+score::Check FailedCheck(const char* kind, std::string name, double limit, std::string unit, const std::string& origin,
+                         std::string why) {
+  score::Check check;
+  check.name = std::move(name);
+  check.kind = kind;
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.limit = limit;
+  check.unit = std::move(unit);
+  check.origin = origin;
+  check.explanation = std::move(why);
+  return check;
+}
+
+double RelativeDistance(const Samples& reference, const Samples& test, int output, double from_s, double to_s) {
+  double error = 0.0, mean = 0.0, square = 0.0;
+  int count = 0;
+  const std::vector<double>&a = reference.outputs[output], &b = test.outputs[output];
+  for (std::size_t k = 0; k < reference.time.size(); ++k) {
+    if (reference.time[k] < from_s || reference.time[k] > to_s) continue;
+    ++count;
+    error += (a[k] - b[k]) * (a[k] - b[k]);
+    mean += a[k];
+    square += a[k] * a[k];
+  }
+  if (count < 2) return std::numeric_limits<double>::quiet_NaN();
+  mean /= count;
+  const double spread = square / count - mean * mean;
+  return spread > 0.0 ? std::sqrt(error / count / spread) : std::numeric_limits<double>::quiet_NaN();
 }
 
 const Result<Samples>& CheckContext::Other() {
@@ -230,71 +256,16 @@ class OracleCheck : public CheckPlan {
   Params p_;
 };
 
-struct Kind {
-  CheckKindInfo info;
-  std::function<std::unique_ptr<CheckPlan>(const Value&, const Plan&, const Rig&, Diagnostics&)> make;
-};
-
-template <class C>
-CheckKindInfo InfoOf() {
-  CheckKindInfo info{C::kName, C::kSummary, ListParams<typename C::Params>()};
-  if constexpr (requires { C::kRelativeLimits; })
-    info.relative_limits.assign(std::begin(C::kRelativeLimits), std::end(C::kRelativeLimits));
-  if constexpr (requires { C::kComparesSolvers; }) info.compares_solvers = C::kComparesSolvers;
-  return info;
-}
-
-template <class C>
-Kind MakeKind() {
-  return {InfoOf<C>(),
-          [](const Value& table, [[maybe_unused]] const Plan& plan, const Rig& rig,
-             Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
-            typename C::Params params;
-            if (!ReadParams(table, params, diagnostics, fmt::format("check.{}", C::kName), {"kind"})) return nullptr;
-            auto check = std::make_unique<C>(std::move(params));
-            bool good = true;
-            if constexpr (requires { C::kNeedsAnalysis; }) {
-              if (plan.root.Find("analysis") == nullptr) {
-                diagnostics.Error(table.where(),
-                                  fmt::format("a check of kind \"{}\" needs the section [analysis]", C::kName),
-                                  "add [analysis] with input and output");
-                good = false;
-              }
-            }
-            if constexpr (requires { check->Inputs(); }) {
-              for (const std::string& input : check->Inputs()) {
-                if (FindInput(rig, input) >= 0) continue;
-                std::vector<std::string> names;
-                for (const InputLine& line : rig.inputs) names.push_back(line.name);
-                const Value* where = table.Find("reference");
-                diagnostics.Error(where != nullptr ? where->where() : table.where(),
-                                  fmt::format("there is no input \"{}\" to follow", input),
-                                  fmt::format("inputs: {}", fmt::join(names, ", ")));
-                good = false;
-              }
-            }
-            for (const std::string& signal : check->Signals()) {
-              if (FindOutput(rig, signal) >= 0) continue;
-              std::vector<std::string> names;
-              for (const OutputLine& line : rig.outputs) names.push_back(line.name);
-              const std::optional<std::string> near = Closest(signal, names);
-              const Value* where = table.Find("signal");
-              diagnostics.Error(where != nullptr ? where->where() : table.where(),
-                                fmt::format("there is no output \"{}\" to check", signal),
-                                near ? fmt::format("did you mean \"{}\"?", *near)
-                                     : fmt::format("outputs: {}", fmt::join(names, ", ")));
-              good = false;
-            }
-            return good ? std::move(check) : nullptr;
-          }};
-}
-
-const std::vector<Kind>& Kinds() {
-  static const std::vector<Kind> kinds = {
-      MakeKind<BoundedCheck>(),    MakeKind<ContactsCheck>(), MakeKind<CouplingCheck>(),   MakeKind<DivergenceCheck>(),
-      MakeKind<FollowsCheck>(),    MakeKind<GoldenCheck>(),   MakeKind<GrowthCheck>(),     MakeKind<LoadStepCheck>(),
-      MakeKind<OracleCheck>(),     MakeKind<PeakCheck>(),     MakeKind<PlacementsCheck>(), MakeKind<RampsCheck>(),
-      MakeKind<ResonancesCheck>(), MakeKind<SolversCheck>(),  MakeKind<WanderCheck>(),     MakeKind<WindowsCheck>()};
+std::map<std::string, CheckKind>& Kinds() {
+  static std::map<std::string, CheckKind> kinds = [] {
+    std::map<std::string, CheckKind> own;
+    for (CheckKind kind : {MakeCheckKind<FollowsCheck>(), MakeCheckKind<GoldenCheck>(), MakeCheckKind<OracleCheck>(),
+                           MakeCheckKind<PeakCheck>(), MakeCheckKind<ResonancesCheck>(), MakeCheckKind<SolversCheck>(),
+                           MakeCheckKind<WindowsCheck>()}) {
+      own.emplace(kind.info.name, std::move(kind));
+    }
+    return own;
+  }();
   return kinds;
 }
 
@@ -309,15 +280,14 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
     return checks;
   }
   std::vector<std::string> names;
-  for (const Kind& kind : Kinds()) names.push_back(kind.info.name);
+  for (const auto& [name, kind] : Kinds()) names.push_back(name);
   for (const Value& table : tables->array()) {
     const Value* name = table.Find("kind");
     if (name == nullptr || !name->is_string()) {
       diagnostics.Error(table.where(), "a check needs a \"kind\"", fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    const auto kind = std::find_if(Kinds().begin(), Kinds().end(),
-                                   [name](const Kind& one) { return one.info.name == name->string(); });
+    const auto kind = Kinds().find(name->string());
     if (kind == Kinds().end()) {
       const std::optional<std::string> near = Closest(name->string(), names);
       diagnostics.Error(
@@ -325,7 +295,7 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
           near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    auto check = kind->make(table, plan, rig, diagnostics);
+    auto check = kind->second.make(table, plan, rig, diagnostics);
     if (check == nullptr) continue;
     check->stated_at = name->where();
     checks.push_back(std::move(check));
@@ -340,9 +310,11 @@ bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Pl
   return diagnostics.error_count() == before;
 }
 
+void AddCheckKind(CheckKind kind) { Kinds()[kind.info.name] = std::move(kind); }
+
 std::vector<CheckKindInfo> CheckKinds() {
   std::vector<CheckKindInfo> infos;
-  for (const Kind& kind : Kinds()) infos.push_back(kind.info);
+  for (const auto& [name, kind] : Kinds()) infos.push_back(kind.info);
   return infos;
 }
 

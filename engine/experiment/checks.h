@@ -1,6 +1,9 @@
 // The checks a scenario states. A [[check]] table becomes a CheckPlan before the run and score::Checks after it.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -85,11 +88,81 @@ struct CheckKindInfo {
 };
 std::vector<CheckKindInfo> CheckKinds();
 
+/// A kind of check: what it is, and how a [[check]] table becomes one; null when the table is faulty.
+struct CheckKind {
+  CheckKindInfo info;
+  std::function<std::unique_ptr<CheckPlan>(const Value&, const Plan&, const Rig&, Diagnostics&)> make;
+};
+/// Makes a kind known to every scenario that is read from now on; one of the same name is replaced.
+void AddCheckKind(CheckKind kind);
+
 /// The index of an output or input of the rig by name, or -1.
 int FindOutput(const Rig& rig, std::string_view name);
 int FindInput(const Rig& rig, std::string_view name);
 
 /// A signal of a run as the scores see it; `nominal` is set when not null.
 score::Series SeriesOf(const Samples& samples, const Rig& rig, const std::string& signal, double* nominal = nullptr);
+
+/// The check that could not be made, and why.
+score::Check FailedCheck(const char* kind, std::string name, double limit, std::string unit, const std::string& origin,
+                         std::string why);
+
+/// RMS of the difference of an output over the spread of the reference, both on [from_s, to_s] of the same ticks; NaN
+/// when the reference has no spread there.
+double RelativeDistance(const Samples& reference, const Samples& test, int output, double from_s, double to_s);
+
+template <class C>
+CheckKindInfo CheckKindInfoOf() {
+  CheckKindInfo info{C::kName, C::kSummary, ListParams<typename C::Params>()};
+  if constexpr (requires { C::kRelativeLimits; })
+    info.relative_limits.assign(std::begin(C::kRelativeLimits), std::end(C::kRelativeLimits));
+  if constexpr (requires { C::kComparesSolvers; }) info.compares_solvers = C::kComparesSolvers;
+  return info;
+}
+
+template <class C>
+CheckKind MakeCheckKind() {
+  return {CheckKindInfoOf<C>(),
+          [](const Value& table, [[maybe_unused]] const Plan& plan, const Rig& rig,
+             Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
+            typename C::Params params;
+            if (!ReadParams(table, params, diagnostics, fmt::format("check.{}", C::kName), {"kind"})) return nullptr;
+            auto check = std::make_unique<C>(std::move(params));
+            bool good = true;
+            if constexpr (requires { C::kNeedsAnalysis; }) {
+              if (plan.root.Find("analysis") == nullptr) {
+                diagnostics.Error(table.where(),
+                                  fmt::format("a check of kind \"{}\" needs the section [analysis]", C::kName),
+                                  "add [analysis] with input and output");
+                good = false;
+              }
+            }
+            if constexpr (requires { check->Inputs(); }) {
+              for (const std::string& input : check->Inputs()) {
+                if (FindInput(rig, input) >= 0) continue;
+                std::vector<std::string> names;
+                for (const InputLine& line : rig.inputs) names.push_back(line.name);
+                const Value* where = table.Find("reference");
+                diagnostics.Error(where != nullptr ? where->where() : table.where(),
+                                  fmt::format("there is no input \"{}\" to follow", input),
+                                  fmt::format("inputs: {}", fmt::join(names, ", ")));
+                good = false;
+              }
+            }
+            for (const std::string& signal : check->Signals()) {
+              if (FindOutput(rig, signal) >= 0) continue;
+              std::vector<std::string> names;
+              for (const OutputLine& line : rig.outputs) names.push_back(line.name);
+              const std::optional<std::string> near = Closest(signal, names);
+              const Value* where = table.Find("signal");
+              diagnostics.Error(where != nullptr ? where->where() : table.where(),
+                                fmt::format("there is no output \"{}\" to check", signal),
+                                near ? fmt::format("did you mean \"{}\"?", *near)
+                                     : fmt::format("outputs: {}", fmt::join(names, ", ")));
+              good = false;
+            }
+            return good ? std::move(check) : nullptr;
+          }};
+}
 
 }  // namespace dynoproof

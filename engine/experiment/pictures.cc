@@ -378,6 +378,20 @@ void AddTiming(const Course& course, RunPictures& pictures) {
   pictures.pictures.push_back(std::move(picture));
 }
 
+namespace {
+
+std::vector<PictureMaker>& PictureMakers() {
+  static std::vector<PictureMaker> makers;
+  return makers;
+}
+
+}  // namespace
+
+void AddPictureMaker(PictureMaker maker) {
+  std::vector<PictureMaker>& makers = PictureMakers();
+  if (std::find(makers.begin(), makers.end(), maker) == makers.end()) makers.push_back(maker);
+}
+
 RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckContext* context) {
   RunPictures pictures;
   AddCourses(prepared, course, pictures);
@@ -385,8 +399,7 @@ RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckCont
   AddPhasePlanes(prepared, course, pictures);
   AddSpectra(prepared, course, pictures);
   AddResponses(prepared, course, pictures);
-  AddCouplings(prepared, pictures);
-  AddLoop(prepared, course, pictures);
+  for (const PictureMaker maker : PictureMakers()) maker(prepared, course, pictures);
   AddTiming(course, pictures);
   return pictures;
 }

@@ -61,14 +61,17 @@ RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckCont
 /// The pictures of a scenario without its checks: the run, made anew.
 Result<RunPictures> PicturesOf(const Prepared& prepared, const Progress& progress = {});
 
+/// Draws what a layer above adds to the pictures of every run where it applies; drawn before the timing, in the order
+/// of these calls. One that is known already is not added again.
+using PictureMaker = void (*)(const Prepared& prepared, const Course& course, RunPictures& pictures);
+void AddPictureMaker(PictureMaker maker);
+
 /// The parts, each appending what applies to the scenario.
 void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddComparisons(const Prepared& prepared, const Course& course, CheckContext& context, RunPictures& pictures);
 void AddSpectra(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddResponses(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures);
-void AddCouplings(const Prepared& prepared, RunPictures& pictures);
-void AddLoop(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddTiming(const Course& course, RunPictures& pictures);
 
 }  // namespace dynoproof

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mechanics/network.h"
+#include "linear/network.h"
 #include "model/linear_part.h"
 
 namespace dynoproof {

@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "mechanics/linear_system.h"
+#include "linear/linear_system.h"
 
 namespace dynoproof {
 

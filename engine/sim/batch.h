@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mechanics/batch_propagator.h"
+#include "linear/batch_propagator.h"
 #include "sim/linear_group.h"
 #include "sim/simulate.h"
 

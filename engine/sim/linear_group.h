@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mechanics/linear_system.h"
+#include "linear/linear_system.h"
 #include "sim/rig.h"
 
 namespace dynoproof {

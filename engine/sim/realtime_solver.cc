@@ -13,8 +13,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "mechanics/modal_form.h"
-#include "mechanics/propagator.h"
+#include "linear/modal_form.h"
+#include "linear/propagator.h"
 #include "model/law.h"
 #include "sim/linear_group.h"
 #include "sim/solver.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/time.h"
-#include "mechanics/aligned_vector.h"
+#include "linear/aligned_vector.h"
 #include "model/plan.h"
 #include "model/registry.h"
 

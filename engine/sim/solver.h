@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/status.h"
-#include "mechanics/decompositions.h"
+#include "linear/decompositions.h"
 #include "sim/rig.h"
 
 namespace dynoproof {

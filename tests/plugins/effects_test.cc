@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "mechanics/network.h"
+#include "linear/network.h"
 #include "tests/support/build.h"
 #include "tests/support/plan_builder.h"
 

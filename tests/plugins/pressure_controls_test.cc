@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "mechanics/gas_flow.h"
 #include "plugins/control/pressure_pi/conditioned_pi.h"
+#include "plugins/physics/gas_flow.h"
 #include "tests/support/ticking.h"
 
 namespace dynoproof {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mechanics/gas_flow.h"
+#include "plugins/physics/gas_flow.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
 

@@ -5,6 +5,9 @@
 #include <string>
 
 #include "model/registry.h"
+#ifdef DYNOPROOF_THESIS
+#include "thesis/register.h"
+#endif
 
 namespace dynoproof::testing {
 
@@ -13,6 +16,9 @@ inline const Registry& BuiltIns() {
   static const Registry* const registry = [] {
     auto* made = new Registry;  // lives as long as the process
     RegisterBuiltIns(*made);
+#ifdef DYNOPROOF_THESIS
+    RegisterThesis(*made);
+#endif
     return made;
   }();
   return *registry;

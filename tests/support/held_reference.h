@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "mechanics/linear_system.h"
-#include "mechanics/network.h"
+#include "linear/linear_system.h"
+#include "linear/network.h"
 
 namespace dynoproof::support {
 

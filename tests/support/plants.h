@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "mechanics/network.h"
+#include "linear/network.h"
 
 namespace dynoproof::support {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "mechanics/pressure_loops.h"
 #include "model/registry.h"
+#include "plugins/control/pressure_pi/pressure_gains.h"
 
 namespace dynoproof::controls {
 

@@ -1,8 +1,8 @@
 // Laws of hydrodynamic couplings (thesis chapter 4): `kelvin_voigt`, `oil_coupling`, `oil_coupling_geometry`.
 #pragma once
 
-#include "mechanics/oil_coupling.h"
 #include "model/registry.h"
+#include "plugins/law/hydrodynamic_coupling/oil_coupling.h"
 
 namespace dynoproof::laws {
 

@@ -7,8 +7,8 @@
 // q_1, q_2 [kg/s]. A volume without gas cannot be emptied further: its pressure stays at 0.
 #pragma once
 
-#include "mechanics/gas_flow.h"
 #include "model/registry.h"
+#include "plugins/physics/gas_flow.h"
 
 namespace dynoproof {
 

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "mechanics/energy_coordinates.h"
+#include "linear/energy_coordinates.h"
 
 namespace dynoproof {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "mechanics/network.h"
+#include "linear/network.h"
 #include "model/component.h"
 #include "model/law.h"
 #include "model/registry.h"

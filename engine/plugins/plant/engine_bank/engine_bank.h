@@ -16,11 +16,11 @@
 // that came in.
 #pragma once
 
-#include "mechanics/gas_exchange.h"
-#include "mechanics/gas_flow.h"
-#include "mechanics/turbocharger.h"
 #include "model/registry.h"
+#include "plugins/physics/gas_flow.h"
+#include "plugins/plant/engine_bank/gas_exchange.h"
 #include "plugins/plant/engine_bank/geometry.h"
+#include "plugins/plant/engine_bank/turbocharger.h"
 
 namespace dynoproof {
 

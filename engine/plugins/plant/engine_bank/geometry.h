@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "mechanics/slider_crank.h"
 #include "model/params.h"
+#include "plugins/physics/slider_crank.h"
 
 namespace dynoproof {
 

@@ -9,9 +9,9 @@
 // air_ratio, knock, nox. No states.
 #pragma once
 
-#include "mechanics/fired_cycle.h"
 #include "model/registry.h"
 #include "plugins/plant/engine_bank/geometry.h"
+#include "plugins/plant/fired_cylinder/fired_cycle.h"
 
 namespace dynoproof {
 

@@ -12,8 +12,8 @@
 // out: it belongs to the inertia of the crankshaft, whose mean the line has already.
 #pragma once
 
-#include "mechanics/slider_crank.h"
 #include "model/registry.h"
+#include "plugins/physics/slider_crank.h"
 
 namespace dynoproof {
 

@@ -1,0 +1,140 @@
+#include "thesis/atlas.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "scenario/load.h"
+
+namespace dynoproof {
+namespace {
+
+std::string FileOf(const std::string& scenario) {
+  return (std::filesystem::path(ScenarioFolder()) / (scenario + ".toml")).string();
+}
+
+Result<RunPictures> PicturesOfScenario(const Registry& registry, const std::string& scenario) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Prepared> prepared = Prepare(FileOf(scenario), {}, registry, diagnostics);
+  if (prepared == nullptr) return Failure{.message = diagnostics.Format(), .signal = scenario, .exit_code = 2};
+  return PicturesOf(*prepared);
+}
+
+/// "5.19" as chapter and number within it; zeros for other words.
+std::pair<int, int> Parse(const std::string& number) {
+  int chapter = 0, figure = 0;
+  if (std::sscanf(number.c_str(), "%d.%d", &chapter, &figure) != 2) return {0, 0};
+  return {chapter, figure};
+}
+
+/// Puts the pictures of a figure's scenario number `i` into their places.
+void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
+  const AtlasFigure& figure = drawn.figure;
+  const std::string& label = figure.labels.empty() ? figure.scenarios[i] : figure.labels[i];
+  for (std::size_t k = 0; k < figure.pictures.size(); ++k) {
+    const auto found = std::find_if(run.pictures.begin(), run.pictures.end(),
+                                    [&](const Picture& one) { return one.key == figure.pictures[k]; });
+    if (found == run.pictures.end()) {
+      drawn.fault = fmt::format("{} has no picture \"{}\"", figure.scenarios[i], figure.pictures[k]);
+      continue;
+    }
+    if (!figure.overlay) {
+      Picture& place = drawn.pictures[k * figure.scenarios.size() + i];
+      place = *found;
+      if (figure.scenarios.size() > 1) place.title = label + ": " + place.title;
+      continue;
+    }
+    Picture& shared = drawn.pictures[k];
+    std::vector<Curve> curves = std::move(shared.curves);
+    if (curves.empty()) shared = *found;
+    for (Curve curve : found->curves) {
+      if (curve.style == Curve::Style::kSamples) continue;  // the golden samples of each would only crowd it
+      curve.label = fmt::format("{}, {}", label, curve.label);
+      curves.push_back(std::move(curve));
+    }
+    shared.curves = std::move(curves);
+  }
+}
+
+}  // namespace
+
+bool Names(const std::string& place, const std::string& number) {
+  const std::pair<int, int> wanted = Parse(number);
+  std::size_t at = place.find("Fig");
+  if (wanted.first == 0 || at == std::string::npos) return false;
+  // Figures follow "Fig." or "Figs." up to another kind of place; "5.18-5.20" is a range.
+  std::pair<int, int> last = {0, 0};
+  while (at < place.size()) {
+    if (place.compare(at, 3, "Sec") == 0 || place.compare(at, 3, "Tab") == 0 || place[at] == '(') break;
+    if (!std::isdigit(static_cast<unsigned char>(place[at]))) {
+      ++at;
+      continue;
+    }
+    const std::size_t end = std::min(place.find_first_not_of("0123456789.", at), place.size());
+    const std::pair<int, int> found = Parse(place.substr(at, end - at));
+    if (found == wanted) return true;
+    if (last.first > 0 && place[at - 1] == '-' && last <= wanted && wanted <= found) return true;
+    last = found;
+    at = end;
+  }
+  return false;
+}
+
+std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagnostics) {
+  std::vector<AtlasFigure> figures;
+  const std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
+  const Value* tables = plan ? plan->root.Find("figure") : nullptr;
+  if (tables == nullptr || !tables->is_array()) {
+    if (plan) diagnostics.Error({file}, "there is no [[figure]]");
+    return figures;
+  }
+  std::set<std::string> numbers;
+  for (const Value& table : tables->array()) {
+    AtlasFigure figure;
+    figure.where = table.where();
+    if (!ReadParams(table, figure, diagnostics, "figure")) continue;
+    if (!numbers.insert(figure.number).second)
+      diagnostics.Error(figure.where, fmt::format("a second figure {}", figure.number));
+    for (const std::string& scenario : figure.scenarios) {
+      if (!std::filesystem::exists(FileOf(scenario)))
+        diagnostics.Error(figure.where, fmt::format("there is no scenario \"{}\"", scenario), "see: dynoproof list");
+    }
+    if (!figure.labels.empty() && figure.labels.size() != figure.scenarios.size())
+      diagnostics.Error(figure.where, "needs as many labels as scenarios, or none");
+    figures.push_back(std::move(figure));
+  }
+  return figures;
+}
+
+std::vector<DrawnFigure> Draw(const Registry& registry, const std::vector<AtlasFigure>& figures,
+                              const std::function<void(const std::string&, double)>& progress) {
+  std::vector<DrawnFigure> drawn;
+  std::vector<std::string> scenarios;  // each once, in the order of first need
+  for (const AtlasFigure& figure : figures) {
+    drawn.push_back({figure});
+    drawn.back().pictures.resize(figure.pictures.size() * (figure.overlay ? 1 : figure.scenarios.size()));
+    for (const std::string& scenario : figure.scenarios) {
+      if (std::find(scenarios.begin(), scenarios.end(), scenario) == scenarios.end()) scenarios.push_back(scenario);
+    }
+  }
+  for (std::size_t n = 0; n < scenarios.size(); ++n) {
+    if (progress) progress(scenarios[n], static_cast<double>(n) / static_cast<double>(scenarios.size()));
+    const Result<RunPictures> run = PicturesOfScenario(registry, scenarios[n]);
+    for (DrawnFigure& one : drawn) {
+      const auto at = std::find(one.figure.scenarios.begin(), one.figure.scenarios.end(), scenarios[n]);
+      if (at == one.figure.scenarios.end()) continue;
+      if (run.ok()) {
+        PutIn(*run, static_cast<std::size_t>(at - one.figure.scenarios.begin()), one);
+      } else {
+        one.fault = run.failure().ToString();
+      }
+    }
+  }
+  return drawn;
+}
+
+}  // namespace dynoproof

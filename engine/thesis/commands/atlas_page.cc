@@ -1,0 +1,166 @@
+#include "thesis/commands/atlas_page.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "experiment/run_scenario.h"
+#include "reports/html.h"
+
+namespace dynoproof::reports {
+namespace {
+
+/// Rooms in the file: 8 million samples cost some 22 MB.
+constexpr std::size_t kSamples = 8'000'000;
+
+std::string TitleOf(const std::string& chapter) {
+  static const std::map<std::string, std::string> titles = {{"2", "Drive lines"},
+                                                            {"3", "Backlash"},
+                                                            {"4", "Hydrodynamic couplings"},
+                                                            {"5", "Resonance suppression"},
+                                                            {"6", "Pressures and hardware in the loop"},
+                                                            {"A", "parameters of the drive lines"},
+                                                            {"B", "soft rotor with a spring-mass system"},
+                                                            {"C", "parameters of the test bed with backlash"},
+                                                            {"D", "notch filters"},
+                                                            {"E", "probing of oscillations"}};
+  const auto found = titles.find(chapter);
+  const bool appendix = !chapter.empty() && chapter[0] >= 'A';
+  return (appendix ? "Appendix " : "Chapter ") + chapter + (found == titles.end() ? "" : ": " + found->second);
+}
+
+std::string Number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–"; }
+
+/// What to know of a claim: the explanation, or why there is no figure; the origin of the tolerance; what is assumed.
+/// Under the claim and not beside it, so that the figures stay in sight on a narrow page.
+std::string Notes(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  const std::string& explanation = result.fault.empty() ? claim.explanation : result.fault;
+  std::string notes;
+  if (!explanation.empty()) notes += fmt::format("<div>{}</div>", Escape(explanation));
+  if (!claim.origin.empty()) notes += fmt::format("<div class=\"note\">allowed: {}</div>", Escape(claim.origin));
+  if (!claim.assumed.empty()) notes += fmt::format("<div class=\"note\">assumed: {}</div>", Escape(claim.assumed));
+  return notes;
+}
+
+std::string ClaimRow(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  const double ours = result.ours ? result.ours->value : Claim::kNone, deviation = ours - claim.Reference();
+  const std::string standing = result.fault.empty() ? ToString(result.standing) : "fault";
+  std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
+  if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
+  const std::string allowed = AllowedText(claim);
+  return Row(std::vector<Cell>{{Escape(claim.id), "key"},
+                               {Escape(claim.place)},
+                               {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "wide"},
+                               {Number(claim.thesis), "number"},
+                               {Number(claim.independent), "number"},
+                               {Number(ours), "number"},
+                               {allowed.empty() ? "–" : Escape(allowed), "number"},
+                               {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
+                               {Escape(claim.unit == "1" ? "" : claim.unit)},
+                               {fmt::format("<span class=\"verdict {}\">{}</span>", standing, Escape(says))}});
+}
+
+/// What the thesis says of it and what comes out here, in one line.
+std::string InBrief(const ClaimResult& result) {
+  const Claim& claim = result.claim;
+  std::string against;
+  if (claim.HasThesis()) against += fmt::format("the thesis says {}, ", Number(claim.thesis));
+  if (claim.HasIndependent()) against += fmt::format("another method {}, ", Number(claim.independent));
+  return fmt::format("<li>{}: {}ours {}{}, {}</li>\n", Escape(claim.claim), against, Number(result.ours->value),
+                     claim.unit == "1" ? "" : " " + Escape(claim.unit), InWords(result.standing));
+}
+
+std::vector<Cell> StandingHeads() {
+  std::vector<Cell> heads = {{"part"}};
+  for (int i = 0; i < kStandings; ++i) heads.push_back({InWords(static_cast<Standing>(i)), "number"});
+  return heads;
+}
+
+std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>& claims, std::size_t share) {
+  const AtlasFigure& figure = drawn.figure;
+  std::string html = fmt::format("<section id=\"{}\"><h3>Fig. {}: {}</h3>\n", Anchor("fig-" + figure.number),
+                                 Escape(figure.number), Escape(figure.title));
+  std::string scenarios;
+  for (const std::string& id : figure.scenarios) scenarios += (scenarios.empty() ? "" : ", ") + id;
+  html += fmt::format("<p class=\"source\">ours: {}{}{}</p>\n", Escape(scenarios),
+                      figure.missing.empty() ? "" : "; not to be compared: ", Escape(figure.missing));
+  std::string claimed;
+  for (const ClaimResult& result : claims) {
+    if (Names(result.claim.place, figure.number) && result.ours) claimed += InBrief(result);
+  }
+  if (!claimed.empty()) html += "<ul>\n" + claimed + "</ul>\n";
+  if (!drawn.fault.empty()) html += fmt::format("<p class=\"fault\">{}</p>\n", Escape(drawn.fault));
+  std::vector<Picture> pictures;
+  for (const Picture& picture : drawn.pictures) {
+    if (!picture.curves.empty()) pictures.push_back(picture);
+  }
+  if (!pictures.empty()) html += Figures("data-" + Anchor(figure.number), pictures, share);
+  return html + "</section>\n";
+}
+
+}  // namespace
+
+std::string ChapterOf(const Claim& claim) {
+  std::string_view id = claim.id;
+  if (id.starts_with("fig-")) id.remove_prefix(4);
+  return std::string(id.substr(0, id.find_first_of(".-")));
+}
+
+std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures) {
+  struct Chapter {
+    std::string rows, figures;
+    std::array<int, kStandings> counts = {};
+  };
+  std::map<std::string, Chapter> chapters;
+  int unexpected = 0;
+  for (const ClaimResult& result : claims) {
+    Chapter& chapter = chapters[ChapterOf(result.claim)];
+    chapter.rows += ClaimRow(result);
+    if (result.fault.empty()) ++chapter.counts[static_cast<std::size_t>(result.standing)];
+    unexpected += result.as_expected ? 0 : 1;
+  }
+  const std::size_t share = kSamples / std::max<std::size_t>(1, figures.size());
+  for (const DrawnFigure& drawn : figures) {
+    const std::string& number = drawn.figure.number;
+    chapters[number.substr(0, number.find('.'))].figures += FigureHtml(drawn, claims, share);
+  }
+  std::string contents, parts;
+  for (const auto& [name, chapter] : chapters) {
+    const std::string title = TitleOf(name), id = Anchor("chapter-" + name);
+    std::vector<Cell> row = {{fmt::format("<a href=\"#{}\">{}</a>", id, Escape(title))}};
+    for (int i = 0; i < kStandings; ++i) {
+      row.push_back({fmt::format("{}", chapter.counts[static_cast<std::size_t>(i)]),
+                     fmt::format("number {}", ToString(static_cast<Standing>(i)))});
+    }
+    contents += Row(row);
+    parts += fmt::format("<details class=\"part\" id=\"{}\" open><summary><h2>{}</h2></summary>\n", id, Escape(title));
+    if (!chapter.rows.empty()) {
+      parts += Table(std::vector<Cell>{{"claim"},
+                                       {"place"},
+                                       {"what it says, and what to know of it"},
+                                       {"thesis says", "number"},
+                                       {"independent", "number"},
+                                       {"ours", "number"},
+                                       {"allowed", "number"},
+                                       {"deviation", "number"},
+                                       {"unit"},
+                                       {"standing"}},
+                     chapter.rows);
+    }
+    parts += chapter.figures + "</details>\n";
+  }
+  const trace::Provenance build = BuildProvenance();
+  return Page(
+      "dynoproof reproduce: atlas of the thesis",
+      fmt::format("dynoproof {}, {}, {}", build.Text("version").value_or(""), build.Text("commit").value_or(""),
+                  build.Text("compiler").value_or("")),
+      fmt::format("<section id=\"overview\"><h2>{} claims, {} otherwise than the ledger expects, {} figures</h2>\n",
+                  claims.size(), unexpected, figures.size()) +
+          Table(StandingHeads(), contents) + "</section>\n" + parts);
+}
+
+}  // namespace dynoproof::reports

@@ -1,0 +1,93 @@
+#include "thesis/coupling.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/units.h"
+#include "linear/modes.h"
+#include "trace/csv.h"
+
+namespace dynoproof {
+namespace {
+
+Failure Wrong(const std::string& file, std::string why) {
+  return {.message = std::move(why), .signal = file, .exit_code = 2};
+}
+
+}  // namespace
+
+Result<mechanics::CouplingTable> ReadCouplingTable(const std::string& file) {
+  const Result<trace::Record> record = trace::ReadCsv(file);
+  if (!record.ok()) return record.failure();
+  mechanics::CouplingTable table;
+  struct Wanted {
+    const char *name, *unit;
+    std::vector<double>* values;
+  };
+  for (const auto& [name, unit, values] : {Wanted{"nu", "rad/s", &table.nu}, Wanted{"k", "N m/rad", &table.stiffness},
+                                           Wanted{"c", "N m s/rad", &table.damping}}) {
+    const std::optional<std::size_t> column = record->Find(name);
+    if (!column) return Wrong(file, fmt::format("has no column \"{}\": a data sheet has nu, k and c", name));
+    const trace::Column& found = record->columns[*column];
+    const std::optional<Unit> written = ParseUnit(found.unit.empty() ? unit : found.unit), ours = ParseUnit(unit);
+    const bool hertz = std::string_view(name) == "nu" && written && found.unit.ends_with("Hz");
+    if (!written || !SameQuantity(*written, *ours)) {
+      return Wrong(file, fmt::format("column \"{}\" is in \"{}\", which is no {}", name, found.unit, unit));
+    }
+    const double factor = written->factor * (hertz ? 2.0 * std::numbers::pi : 1.0);
+    for (const double value : found.values) values->push_back(factor * value);
+  }
+  const std::string fault = FaultOf(table);
+  return fault.empty() ? Result<mechanics::CouplingTable>(std::move(table)) : Wrong(file, fault);
+}
+
+Result<CouplingChoice> ChooseCouplingMode(const mechanics::Network& network, const std::string& shaft,
+                                          double static_stiffness) {
+  const int coupling = network.FindEdge(shaft);
+  if (coupling < 0) return Wrong("coupling", fmt::format("the drive line has no shaft \"{}\"", shaft));
+  mechanics::Network bare = network;
+  for (mechanics::Edge& edge : bare.edges) edge.damping = 0.0;
+  bare.edges[coupling].stiffness = static_stiffness;
+  const Result<mechanics::ModalAnalysis> modal = mechanics::Modes(bare);
+  if (!modal.ok()) return modal.failure();
+  CouplingChoice choice{static_stiffness, 0.0, {}};
+  double largest = 0.0;
+  for (const mechanics::Mode& mode : modal->modes) {
+    if (mode.frequency_hz <= 0.0) continue;
+    double sum = 0.0, own = 0.0;
+    for (std::size_t e = 0; e < bare.edges.size(); ++e) {
+      const mechanics::Edge& edge = bare.edges[e];
+      if (edge.to == mechanics::kGround) continue;
+      const double twist = std::abs(mode.shape[edge.from] - mode.shape[edge.to]);
+      sum += twist;
+      if (static_cast<int>(e) == coupling) own = twist;
+    }
+    const double nu = 2.0 * std::numbers::pi * mode.frequency_hz, share = own / sum;
+    choice.modes.push_back({nu, share});
+    if (share <= largest) continue;
+    largest = share;
+    choice.nu_0 = nu;
+  }
+  if (largest == 0.0) return Wrong("coupling", fmt::format("no mode twists \"{}\"", shaft));
+  return choice;
+}
+
+std::optional<mechanics::DynamicValues> SteadyValues(const Value& shaft, double nu) {
+  const Value* law = shaft.Find("law");
+  const std::string name = law != nullptr && law->is_string() ? law->string() : "spring_damper";
+  const auto number = [&shaft](const char* key) {
+    const Value* value = shaft.Find(key);
+    return value != nullptr && value->is_number() ? value->number() : 0.0;
+  };
+  const double k = number("stiffness_Nm_per_rad");
+  if (name == "kelvin_voigt" || name == "spring_damper") {
+    return mechanics::DynamicValues{k, number("damping_Nms_per_rad")};
+  }
+  if (name != "oil_coupling") return std::nullopt;
+  return mechanics::OilCoupling{k, number("k_p_m3"), number("kappa_p_per_s"), number("kappa_w_Pa_per_rad")}.At(nu);
+}
+
+}  // namespace dynoproof

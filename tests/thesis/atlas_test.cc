@@ -1,0 +1,134 @@
+// The figures of the atlas, and the settings and pictures that the report shows of a run.
+#include "thesis/atlas.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/golden.h"
+#include "experiment/settings.h"
+#include "tests/support/build.h"
+#include "tests/support/temp_dir.h"
+
+namespace dynoproof {
+namespace {
+
+const Picture* Find(const RunPictures& run, const std::string& key) {
+  const auto found =
+      std::find_if(run.pictures.begin(), run.pictures.end(), [&](const Picture& one) { return one.key == key; });
+  return found == run.pictures.end() ? nullptr : &*found;
+}
+
+std::unique_ptr<Prepared> Shipped(const std::string& file, const std::vector<std::string>& overrides = {}) {
+  Diagnostics diagnostics;
+  auto prepared = Prepare("scenarios/" + file, {overrides, "", nullptr}, testing::BuiltIns(), diagnostics);
+  EXPECT_NE(prepared, nullptr) << diagnostics.Format();
+  return prepared;
+}
+
+TEST(Atlas, TheShippedFiguresAreSound) {
+  Diagnostics diagnostics;
+  const std::vector<AtlasFigure> figures = ReadFigures(GoldenFolder() + "/figures.toml", diagnostics);
+  EXPECT_FALSE(diagnostics.has_errors()) << diagnostics.Format();
+  EXPECT_GE(figures.size(), 20u);
+}
+
+TEST(Atlas, FaultyFiguresAreAnswered) {
+  const test::TempDir folder;
+  folder.Write("f.toml",
+               "[[figure]]\nnumber = \"1.1\"\ntitle = \"t\"\nscenarios = [\"no/such\"]\npictures = [\"p\"]\n");
+  Diagnostics diagnostics;
+  ReadFigures((folder / "f.toml").string(), diagnostics);
+  EXPECT_THAT(diagnostics.Format(), ::testing::HasSubstr("no/such"));
+}
+
+TEST(Atlas, PlacesNameFigures) {
+  EXPECT_TRUE(Names("Figs. 3.6, 3.7", "3.7"));
+  EXPECT_TRUE(Names("Sec. 5.6.1, Fig. 5.19", "5.19"));
+  EXPECT_TRUE(Names("Figs. 5.21-5.29", "5.25"));
+  EXPECT_FALSE(Names("Figs. 5.21-5.29", "5.30"));
+  EXPECT_FALSE(Names("Sec. 3.6", "3.6"));
+  EXPECT_FALSE(Names("Fig. 5.1", "5.19"));
+  EXPECT_FALSE(Names("Fig. 2.4, Sec. 3.6", "3.6"));
+}
+
+TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
+  AtlasFigure figure;
+  figure.number = "5.5";
+  figure.scenarios = {"backlash/clamped"};
+  figure.pictures = {"no such picture"};
+  const std::vector<DrawnFigure> drawn = Draw(testing::BuiltIns(), {figure});
+  ASSERT_EQ(drawn.size(), 1u);
+  EXPECT_THAT(drawn[0].fault, ::testing::HasSubstr("no such picture"));
+}
+
+TEST(Settings, TellWhatWasGivenWhereAndWhatWasNot) {
+  const auto prepared = Shipped("suppression/adaptive.toml", {"plant.inertia.I5=0.1"});
+  std::map<std::string, Setting> settings;
+  for (const Setting& setting : SettingsOf(prepared->plan, testing::BuiltIns())) settings[setting.path] = setting;
+  EXPECT_EQ(settings.at("plant.inertia.I5").value, "0.1");
+  EXPECT_EQ(settings.at("plant.inertia.I5").from, "--set");
+  EXPECT_THAT(settings.at("plant.inertia.I4").from, ::testing::HasSubstr("_soft_rotor.toml:"));
+  EXPECT_EQ(settings.at("control.core.radius").from, "default");
+  EXPECT_EQ(settings.at("control.core.radius").value, "0.995");
+  EXPECT_EQ(settings.at("run.realtime.substeps").from, "default");
+  EXPECT_FALSE(settings.contains("title"));
+}
+
+TEST(Pictures, EachHasLabelsUnitsAndNumbers) {
+  for (const char* file : {"suppression/adaptive.toml", "backlash/experiment_1.toml", "coupling/startup_oil.toml"}) {
+    const auto prepared = Shipped(file, {"run.duration_s=0.8", "check=[]"});
+    const Result<RunPictures> run = PicturesOf(*prepared);
+    ASSERT_TRUE(run.ok()) << run.failure().ToString();
+    std::map<std::string, int> keys;
+    for (const Picture& picture : run->pictures) {
+      EXPECT_EQ(++keys[picture.key], 1) << picture.key;
+      for (const Axis& axis : {picture.x, picture.y}) {
+        EXPECT_NE(axis.label, "") << picture.key;
+        EXPECT_NE(axis.unit, "") << picture.key;
+      }
+      ASSERT_FALSE(picture.curves.empty()) << picture.key;
+      for (const Curve& curve : picture.curves) {
+        EXPECT_EQ(curve.x.size(), curve.y.size()) << picture.key;
+        EXPECT_NE(curve.label, "") << picture.key;
+      }
+    }
+  }
+}
+
+/// At rest, sides touch at the half gap; at speed, with damping c, later or earlier by what the law says.
+TEST(Pictures, ActivationAreasAreThoseOfTheLaw) {
+  const auto prepared = Shipped("backlash/experiment_1.toml", {"run.duration_s=0.2", "check=[]"});
+  const Result<RunPictures> run = PicturesOf(*prepared);
+  ASSERT_TRUE(run.ok());
+  const Picture* plane = Find(*run, "phase_plane:phase_plane");
+  ASSERT_NE(plane, nullptr);
+  ASSERT_EQ(plane->areas.size(), 2u);
+  const double half_gap = 0.09599310885968812, k = 15e3, c = 0.5;
+  const Area& plus = plane->areas[0];
+  for (std::size_t i = 0; i + 2 < plus.x.size(); ++i) {
+    const double rate = plus.y[i];
+    // (3.4): contact is lost where k (d - alpha) + c w = 0, and made at alpha, as the exponential is nothing by then.
+    const double expected = rate <= 0.0 ? half_gap - c / k * rate : half_gap;
+    EXPECT_NEAR(plus.x[i], expected, 1e-9) << "at " << rate << " rad/s";
+  }
+}
+
+TEST(Pictures, TheOpenLoopIsThatOfTheStudies) {
+  const auto prepared = Shipped("suppression/unsuppressed.toml", {"run.duration_s=0.1", "check=[]"});
+  const Result<RunPictures> run = PicturesOf(*prepared);
+  ASSERT_TRUE(run.ok());
+  const Picture* poles = Find(*run, "loop_poles");
+  ASSERT_NE(poles, nullptr);
+  const Curve& curve = poles->curves.front();
+  EXPECT_NEAR(curve.y[0], 831.7, 0.1);  // the thesis' second resonance grows by 14.9 1/s
+  EXPECT_NEAR(curve.x[0], 14.9, 0.1);
+  EXPECT_NEAR(curve.y[1], 605.8, 0.1);
+  EXPECT_NEAR(curve.x[1], 8.2, 0.1);
+  EXPECT_NE(Find(*run, "nyquist"), nullptr);
+}
+
+}  // namespace
+}  // namespace dynoproof
