@@ -26,6 +26,7 @@ command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPI
 step tidy ./ci/presubmit.sh --all
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
 step package ./ci/check_package.sh build
+step harness-only ./ci/harness_only.sh
 step margins ./ci/margins.py out/nightly/run.json
 cat out/nightly/margins.log
 builds=(out/nightly/run.json)  # the same scenarios from other compilers and options: same verdicts, and how far apart
