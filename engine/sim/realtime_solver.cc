@@ -18,12 +18,20 @@
 #include "model/law.h"
 #include "sim/linear_group.h"
 #include "sim/solver.h"
+#include "sim/substep.h"
 
 namespace dynoproof {
 namespace {
 
 using mechanics::ModalForm;
 using mechanics::Propagator;
+using substep::Course;
+using substep::kMostOfAPart;
+using substep::Line;
+using substep::LineOf;
+using substep::Reach;
+using substep::RungeKutta4;
+using substep::StopOf;
 
 class RealtimeSolver : public Solver {
  public:
@@ -262,26 +270,6 @@ class RealtimeSolver : public Solver {
   }
 
   static constexpr std::size_t kMostLawStates = 8;  // more states than any law of the field has
-  static constexpr double kLeastShare = 1e-9;       // of a substep: a shorter part of it is none
-  static constexpr std::size_t kMostOfAPart = 16;   // inputs or states of a part that is carried ahead
-
-  /// Carries states by one step of Runge-Kutta 4 over `length` [s]; `slope(share, x, rates)` at a share of it.
-  template <class Slope>
-  static void RungeKutta4(std::span<double> own, double length, const Slope& slope) {
-    static constexpr double kNone[kMostOfAPart] = {}, kShare[4] = {0.0, 0.5, 0.5, 1.0};
-    const std::size_t n = own.size();
-    assert(n <= kMostOfAPart);
-    double k[4][kMostOfAPart], x[kMostOfAPart];
-    for (int stage = 0; stage < 4; ++stage) {
-      const double* const last = stage == 0 ? kNone : k[stage - 1];
-      const double reach = kShare[stage] * length;
-      for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + reach * last[i];
-      slope(kShare[stage], std::span<const double>(x, n), std::span<double>(k[stage], n));
-    }
-    const double sixth = length / 6.0;
-    for (std::size_t i = 0; i < n; ++i) own[i] += sixth * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
-  }
-
   /// Carries the states of a law that switches from s0 to s1 of the substep in its present mode.
   void AdvanceSwitching(std::size_t e, double time_s, double h, double s0, double s1, std::span<double> own,
                         std::span<const int> modes) const {
@@ -292,27 +280,6 @@ class RealtimeSolver : public Solver {
     });
   }
 
-  /// The torque of a law along a piece of a substep: at its beginning, middle and end.
-  struct Course {
-    double begin, middle, end;
-    double mean() const { return (begin + 4.0 * middle + end) / 6.0; }  // Simpson
-    static Course Straight(double begin, double end) { return {begin, 0.5 * (begin + end), end}; }
-    static Course Flat(double torque) { return {torque, torque, torque}; }
-  };
-  /// A torque over a substep: the straight line held + ramp s that acts as it does, and its own value at the end.
-  struct Line {
-    double held, ramp, end;
-  };
-  /// Of a straight course over the whole substep.
-  static Line LineOf(double begin, double end) { return {begin, end - begin, end}; }
-  /// Of `before` until share `at` of the substep and `after` from there on: the same mean, and the same first moment
-  /// about the middle of the substep, which is each one's at its own middle plus that of its slope.
-  static Line LineOf(const Course& before, const Course& after, double at) {
-    const double rest = 1.0 - at, mean = at * before.mean() + rest * after.mean();
-    const double ramp = 6.0 * at * rest * (after.mean() - before.mean()) + at * at * (before.end - before.begin) +
-                        rest * rest * (after.end - after.begin);
-    return {mean - 0.5 * ramp, ramp, after.end};
-  }
   /// Runs a law from s0 to s1 in its present mode; `own` ends there.
   Course Run(std::size_t e, double time_s, double h, double s0, double s1, double begin, std::span<double> own,
              std::span<const int> modes) const {
@@ -367,11 +334,6 @@ class RealtimeSolver : public Solver {
     });
   }
 
-  /// What a torque begin + change s of a channel over a substep does to its own rate or twist at the end.
-  struct Reach {
-    double without, held, ramp;  // at the end without any; change by `begin`, by `change`
-    double At(double begin, double change) const { return without + held * begin + ramp * change; }
-  };
   Reach ReachOf(const Propagator& propagator, std::size_t row, std::size_t column) const {
     const double held = propagator.held_gain()(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
     const double ramp = propagator.ramp_gain()(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
@@ -421,20 +383,6 @@ class RealtimeSolver : public Solver {
     if (std::abs(hold) <= std::abs(limit)) return with(hold);
     const double after = slip(end_s, y_, left(limit), hold, sign);
     return with(std::copysign(std::min(std::abs(after), std::abs(hold)), hold));  // friction never drives
-  }
-
-  /// The share of a substep at which a speed is zero that goes from `begin` to `end` with the mean `mean`: that of the
-  /// parabola. 0 or 1 where it is next to either, or does not change its sign.
-  static double StopOf(double begin, double end, double mean) {
-    if (end * begin > 0.0) return 0.0;
-    double at = begin / (begin - end);
-    const double slope = 6.0 * mean - 4.0 * begin - 2.0 * end, bend = 3.0 * (begin + end) - 6.0 * mean;
-    for (int i = 0; i < 3; ++i) {  // Newton's steps from the straight line
-      const double falls = slope + 2.0 * bend * at;
-      if (falls * begin >= 0.0) break;
-      at = std::clamp(at - (begin + (slope + bend * at) * at) / falls, 0.0, 1.0);
-    }
-    return at < kLeastShare ? 0.0 : at > 1.0 - kLeastShare ? 1.0 : at;
   }
 
   void Substep(Frame& frame, const Step& step, double time_s, int number) {

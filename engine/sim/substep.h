@@ -1,0 +1,74 @@
+// What a nonlinear law does within one substep of the solver `realtime`, without the solver around it: its torque as
+// straight pieces, the share of the substep at which a motion stops, its own states carried on.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <span>
+
+namespace dynoproof::substep {
+
+inline constexpr double kLeastShare = 1e-9;      // of a substep: a shorter part of it is none
+inline constexpr std::size_t kMostOfAPart = 16;  // inputs or states of a part that is carried ahead
+
+/// Carries states by one step of Runge-Kutta 4 over `length` [s]; `slope(share, x, rates)` at a share of it.
+template <class Slope>
+void RungeKutta4(std::span<double> own, double length, const Slope& slope) {
+  static constexpr double kNone[kMostOfAPart] = {}, kShare[4] = {0.0, 0.5, 0.5, 1.0};
+  const std::size_t n = own.size();
+  assert(n <= kMostOfAPart);
+  double k[4][kMostOfAPart], x[kMostOfAPart];
+  for (int stage = 0; stage < 4; ++stage) {
+    const double* const last = stage == 0 ? kNone : k[stage - 1];
+    const double reach = kShare[stage] * length;
+    for (std::size_t i = 0; i < n; ++i) x[i] = own[i] + reach * last[i];
+    slope(kShare[stage], std::span<const double>(x, n), std::span<double>(k[stage], n));
+  }
+  const double sixth = length / 6.0;
+  for (std::size_t i = 0; i < n; ++i) own[i] += sixth * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
+}
+
+/// The torque of a law along a piece of a substep: at its beginning, middle and end.
+struct Course {
+  double begin, middle, end;
+  double mean() const { return (begin + 4.0 * middle + end) / 6.0; }  // Simpson
+  static Course Straight(double begin, double end) { return {begin, 0.5 * (begin + end), end}; }
+  static Course Flat(double torque) { return {torque, torque, torque}; }
+};
+/// A torque over a substep: the straight line held + ramp s that acts as it does, and its own value at the end.
+struct Line {
+  double held, ramp, end;
+};
+/// Of a straight course over the whole substep.
+inline Line LineOf(double begin, double end) { return {begin, end - begin, end}; }
+/// Of `before` until share `at` of the substep and `after` from there on: the same mean, and the same first moment
+/// about the middle of the substep, which is each one's at its own middle plus that of its slope.
+inline Line LineOf(const Course& before, const Course& after, double at) {
+  const double rest = 1.0 - at, mean = at * before.mean() + rest * after.mean();
+  const double ramp = 6.0 * at * rest * (after.mean() - before.mean()) + at * at * (before.end - before.begin) +
+                      rest * rest * (after.end - after.begin);
+  return {mean - 0.5 * ramp, ramp, after.end};
+}
+
+/// What a torque begin + change s of a channel over a substep does to its own rate or twist at the end.
+struct Reach {
+  double without, held, ramp;  // at the end without any; change by `begin`, by `change`
+  double At(double begin, double change) const { return without + held * begin + ramp * change; }
+};
+
+/// The share of a substep at which a speed is zero that goes from `begin` to `end` with the mean `mean`: that of the
+/// parabola. 0 or 1 where it is next to either, or does not change its sign.
+inline double StopOf(double begin, double end, double mean) {
+  if (end * begin > 0.0) return 0.0;
+  double at = begin / (begin - end);
+  const double slope = 6.0 * mean - 4.0 * begin - 2.0 * end, bend = 3.0 * (begin + end) - 6.0 * mean;
+  for (int i = 0; i < 3; ++i) {  // Newton's steps from the straight line
+    const double falls = slope + 2.0 * bend * at;
+    if (falls * begin >= 0.0) break;
+    at = std::clamp(at - (begin + (slope + bend * at) * at) / falls, 0.0, 1.0);
+  }
+  return at < kLeastShare ? 0.0 : at > 1.0 - kLeastShare ? 1.0 : at;
+}
+
+}  // namespace dynoproof::substep
