@@ -49,11 +49,9 @@ Contest::Contest(const Study& study, SavedFits& saved, Progress progress)
 /// A doubt that is needed far outside its spread is no doubt any more: the effect that says so.
 std::optional<Assumed> Contest::AsEffect(const Doubt& doubt, double z) const {
   constexpr double kWorthATry = 3.0;  // spreads
-  const Effect* effect = study_.registry().FindEffect(doubt.effect);
-  const std::optional<Place> place = ParsePlace(doubt.at);
-  if (effect == nullptr || !place || !doubt.relative || std::abs(z) < kWorthATry) return std::nullopt;
-  const EffectParameter& delta = effect->info().parameters.front();
-  return Assumed{effect, *place, {std::clamp(ChangeOf(doubt, z), delta.lower, delta.upper)}};
+  if (doubt.effect == nullptr || !doubt.relative || std::abs(z) < kWorthATry) return std::nullopt;
+  const EffectParameter& delta = doubt.effect->info().parameters.front();
+  return Assumed{doubt.effect, doubt.at, {std::clamp(ChangeOf(doubt, z), delta.lower, delta.upper)}};
 }
 
 /// Such effects are candidates, found by all the doubts moving together, which no single start can.

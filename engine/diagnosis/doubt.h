@@ -1,14 +1,12 @@
-// Nominal values that a diagnosis may not take for exact: inertias, stiffnesses and dampings of the data sheet, and the
-// state the record starts from. Each is a normal deviate of the plan with a stated spread, fitted along with every
-// hypothesis, so that a value a little off is neither an alarm nor credited to an effect.
+// Nominal values that a diagnosis may not take for exact, as the plant declares them: what a data sheet says of its
+// parts, and the state the record starts from. Each is a normal deviate of the plan with a stated spread, fitted along
+// with every hypothesis, so that a value a little off is neither an alarm nor credited to an effect.
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "model/effect.h"
-#include "model/plan.h"
+#include "model/registry.h"
 
 namespace dynoproof::diagnosis {
 
@@ -17,17 +15,18 @@ namespace dynoproof::diagnosis {
 struct Doubt {
   std::string path;  // "plant.inertia.I5"
   bool relative = true;
-  double spread = 0.0;     // of the logarithm, or in its own unit
-  bool start = false;      // belongs to the record, not to the model
-  std::string effect, at;  // the effect and place that change the same number; empty: none
+  double spread = 0.0;             // of the logarithm, or in its own unit
+  bool start = false;              // belongs to the record, not to the model
+  const Effect* effect = nullptr;  // the one that changes the same number, and where; null: none
+  Place at = {};
   bool only_wide = false;  // free only where a hypothesis changes the structure
 };
 
 /// Spreads from the nominal value within which a number is no effect: beyond that by chance once in 2000.
 inline constexpr double kWithinDoubt = 3.5;
 
-/// Every doubtful number of the plan.
-std::vector<Doubt> DoubtsOf(const Plan& plan);
+/// Every doubtful number of the plan: what its plant declares.
+std::vector<Doubt> DoubtsOf(const Plan& plan, const Registry& registry);
 
 /// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
 /// passed over.

@@ -22,7 +22,7 @@ Result<RecordGains> GainsIn(const MappedRecord& record, bool holdout, const Plan
   if (record.outputs.empty()) return result;
   // The nominal plan's study serves both, so that both are compared over the same rows.
   const Study study(nominal, {record}, registry);
-  StartFromRecord(record, extended);
+  StartFromRecord(record, registry, extended);
   auto gains = MeasureGains(study, study.plan(), extended);
   if (!gains.ok()) return gains.failure();
   result.gains = *std::move(gains);

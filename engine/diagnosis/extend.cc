@@ -206,10 +206,8 @@ std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike
         "the effect is the same, the place is not: excite the modes in which these places move against each other "
         "(broad band, up to the highest mode), and record a speed or torque between them ({})",
         fmt::join(places, ", "));
-  if (study.plan().root.FindPath("plant.volume") != nullptr)
-    return "repeat the record at another working point, half and twice the flow, with single steps of one actuator at "
-           "a "
-           "time and rests in between: areas grow with the opening, leaks with the pressure, play with each reversal";
+  const std::string& own = study.registry().PlantOf(study.plan()).separating_experiment;
+  if (!own.empty()) return own;
   return "drive the line with a slow triangle of torque through standstill in both directions, at two amplitudes a "
          "factor of four apart, with a small broad-band torque on top: laws then differ in how they grow with speed, "
          "twist and amplitude, places in how the higher modes see them";

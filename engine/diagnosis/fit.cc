@@ -134,10 +134,10 @@ double Fit::StandardDeviation(Eigen::Index parameter) const {
 }
 
 bool Changes(const Assumed& assumed, const Doubt& doubt) {
-  return assumed.effect->info().name == doubt.effect && assumed.place.ToString() == doubt.at;
+  return assumed.effect == doubt.effect && assumed.place == doubt.at;
 }
 
-bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().name == "distributed_inertia"; }
+bool ChangesStructure(const Assumed& assumed) { return assumed.effect->info().traits.changes_structure; }
 
 std::vector<double> FreedomOf(const Study& study, const std::vector<Assumed>& effects) {
   std::vector<double> freedom;

@@ -39,7 +39,7 @@ std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& pl
   std::vector<Assumed> tried;
   for (const Place& place : places) {
     for (double share = 0.02; share < 2.0; share *= 3.0)
-      tried.push_back({first.registry().FindEffect("coulomb_friction"), place, {share * torque_Nm}});
+      tried.push_back({PlainFriction(first.registry()), place, {share * torque_Nm}});
   }
   std::vector<Hypothesis> best;
   for (Follower& one : FittedBeside(first, first.Nominal(), tried)) {
@@ -51,40 +51,24 @@ std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& pl
   return best;
 }
 
-/// The torque at which an inertia breaks loose: of Stribeck's numbers the second is at rest, of the others the first.
-double BreakAway(const Assumed& friction) {
-  return friction.parameters[friction.effect->info().name == "stribeck_friction" ? 1 : 0];
-}
+/// The torque at which the body breaks loose.
+double BreakAway(const Assumed& friction) { return friction.effect->BreakAwayTorque(friction.parameters); }
 
 /// The laws of friction that break away at the torque at which the leader does, at its place: those that explain most.
 std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, double speed_rad_per_s) {
   const Assumed& known = leader.effects.front();
-  const double torque = BreakAway(known);
   std::vector<Assumed> tried;
-  const auto add = [&](const char* name, std::vector<double> parameters) {
-    const Effect* effect = here.registry().FindEffect(name);
-    for (std::size_t i = 0; i < parameters.size(); ++i)
-      parameters[i] = std::clamp(parameters[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);
-    tried.push_back({effect, known.place, std::move(parameters)});
+  const auto add = [&](const Effect* effect, const Points& points) {
+    for (std::vector<double> parameters : points) {
+      for (std::size_t i = 0; i < parameters.size(); ++i)
+        parameters[i] =
+            std::clamp(parameters[i], effect->info().parameters[i].lower, effect->info().parameters[i].upper);
+      tried.push_back({effect, known.place, std::move(parameters)});
+    }
   };
-  add("coulomb_friction", {torque});
-  // In a resonance inertias go much faster than what is measured, and break away far below that.
-  for (const double share : {0.01, 0.05, 0.2, 1.0, 5.0}) {
-    const double speed = share * speed_rad_per_s;
-    add("stribeck_friction", {0.6 * torque, torque, speed});
-    add("asymmetric_friction", {torque, torque, 0.1 * torque / speed, 0.1 * torque / speed});
-    add("dahl_friction", {torque, 3000.0 * torque / speed});
-  }
-  // The torque may be that of one direction, or stand for both.
-  const double viscous = 0.1 * torque / speed_rad_per_s;
-  for (const auto& [forth, back] : {std::pair(1.0, 0.4), std::pair(0.4, 1.0), std::pair(1.4, 0.6), std::pair(0.6, 1.4)})
-    add("asymmetric_friction", {forth * torque, back * torque, viscous, viscous});
-  if (known.effect->info().name == "asymmetric_friction") {
-    // In the direction in which it hardly goes, and slowly, dry and viscous friction pass for each other, and a fit to
-    // less of the record may have taken all of one: as viscous as in the other direction is the likelier start.
-    const std::vector<double>& p = known.parameters;
-    for (const double both : {p[2], p[3]}) add("asymmetric_friction", {p[0], p[1], both, both});
-  }
+  for (const Effect* effect : here.registry().Effects())
+    if (effect->info().traits.dry_friction) add(effect, effect->StartsFromBreakAway(BreakAway(known), speed_rad_per_s));
+  add(known.effect, known.effect->MistakenFor(known.parameters));
   std::vector<Hypothesis> laws;
   std::map<const Effect*, std::size_t> taken;
   for (Follower& one : FittedBeside(here, leader, tried)) {
@@ -98,7 +82,7 @@ std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, d
 
 std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
                                        const std::function<void(double)>& progress) {
-  const Effect* friction = study.registry().FindEffect("coulomb_friction");
+  const Effect* friction = PlainFriction(study.registry());
   std::vector<Place> places = friction != nullptr ? friction->Places(study.plan()) : std::vector<Place>();
   if (place) std::erase_if(places, [&](const Place& other) { return !(other == *place); });
   const double end_s = study.records().front().end_s;
@@ -117,7 +101,7 @@ std::optional<Followed> FollowFriction(const Study& study, const std::optional<P
 
 Hypothesis AsCoulomb(const Study& study, Hypothesis friction) {
   Assumed& law = friction.effects.back();
-  law = {study.registry().FindEffect("coulomb_friction"), law.place, {BreakAway(law)}};
+  law = {PlainFriction(study.registry()), law.place, {BreakAway(law)}};
   return friction;
 }
 

@@ -13,16 +13,26 @@ constexpr double kSmallest = 0.01;  // gaps that are tried, in twists under the 
 constexpr double kLargest = 50.0;   // ... a side in free flight goes far beyond them
 constexpr double kGridStep = 1.25;  // fits find the gap from a tenth off
 
+/// Effects that give a shaft of the plan play, and the shafts.
+std::vector<std::pair<const Effect*, Place>> PlaysOf(const Study& study) {
+  std::vector<std::pair<const Effect*, Place>> plays;
+  for (const Effect* effect : study.registry().Effects()) {
+    if (!effect->info().traits.play) continue;
+    for (const Place& place : effect->Places(study.plan())) plays.emplace_back(effect, place);
+  }
+  return plays;
+}
+
 /// Every gap at every shaft, fitted to `first`.
-std::vector<Hypothesis> Gaps(const Study& first, const Effect& play, double torque_Nm) {
+std::vector<Hypothesis> Gaps(const Study& first, double torque_Nm) {
   std::vector<Follower> fitted;
-  for (const Place& place : play.Places(first.plan())) {
+  for (const auto& [play, place] : PlaysOf(first)) {
     const Value* stiffness = first.plan().root.FindPath("plant.shaft." + place.name + ".stiffness_Nm_per_rad");
     if (stiffness == nullptr || !stiffness->is_number() || !(stiffness->number() > 0.0)) continue;
     const double twist_rad = torque_Nm / stiffness->number();
     for (double gap = kSmallest; gap < kLargest; gap *= kGridStep) {
       Hypothesis hypothesis = first.Nominal();
-      hypothesis.effects = {{&play, place, {gap * twist_rad}}};
+      hypothesis.effects = {{play, place, {gap * twist_rad}}};
       if (std::optional<Follower> one = Fitted(first, hypothesis, 4)) fitted.push_back(*std::move(one));
     }
   }
@@ -39,10 +49,9 @@ double FirstShare(const std::vector<MappedRecord>& records) {
 }
 
 std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
-  const Effect* play = study.registry().FindEffect("backlash");
-  if (play == nullptr || play->Places(study.plan()).empty() || PredictionWindow(study.plan())) return std::nullopt;
+  if (PlaysOf(study).empty() || PredictionWindow(study.plan())) return std::nullopt;
   const double first = FirstShare(study.records());
-  return Follow(study, first, Gaps(study.Part(first), *play, MagnitudesOf(study).torque), progress);
+  return Follow(study, first, Gaps(study.Part(first), MagnitudesOf(study).torque), progress);
 }
 
 }  // namespace dynoproof::diagnosis

@@ -32,7 +32,7 @@ std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
 /// take up what the solver's step leaves at each stop, and no fit comes to the very bottom of its rough way.
 double Roughness(const Study& study, const Fit& fit, const Whitener& whitener) {
   constexpr double kWay = 50.0;  // between the best two of many minima
-  if (!IsDryFriction(*fit.hypothesis.effects.back().effect)) return 0.0;
+  if (!fit.hypothesis.effects.back().effect->info().traits.dry_friction) return 0.0;
   const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
   return kWay + (finer.ok() ? 2.0 * whitener(*finer - fit.predicted).squaredNorm() : 0.0);
 }
@@ -198,7 +198,7 @@ std::vector<std::string> Judgement::StrainedDoubts(const Fit& null) const {
   std::vector<std::string> strained;
   for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
     const Doubt& doubt = study_.doubts()[i];
-    if (!doubt.start && doubt.effect.empty() && std::abs(null.hypothesis.z[i]) > kWithinDoubt)
+    if (!doubt.start && doubt.effect == nullptr && std::abs(null.hypothesis.z[i]) > kWithinDoubt)
       strained.push_back("nominal_value@" + doubt.path);
   }
   return strained;

@@ -16,8 +16,9 @@ namespace {
 
 /// Whether the starts of an effect, beyond the first, are tried as they stand: a resonance that moved, or a signal
 /// that comes late, looks like no multiple of one that did so a little.
-bool AsItStands(const Effect& effect) {
-  return effect.info().name.ends_with("_change") || IsDelay(effect) || IsLag(effect);
+bool AsItStands(const Candidate& candidate) {
+  const EffectTraits& traits = candidate.effect->info().traits;
+  return !candidate.effect->ScaledParameter(candidate.place).empty() || traits.delay || traits.lag;
 }
 
 /// What the screening of one candidate needs: the base's whitened error, freed of what the doubts explain.
@@ -70,10 +71,10 @@ class Look {
       return fitter_.Evaluate(effects, doubts, projection);
     };
     std::vector<std::vector<double>> starts = candidate.starts;
-    if (const double late_s = IsDelay(*candidate.effect) ? LateBy(candidate) : 0.0; late_s > 0.0)
+    if (const double late_s = candidate.effect->info().traits.delay ? LateBy(candidate) : 0.0; late_s > 0.0)
       starts.push_back({late_s});
     for (const std::vector<double>& start : starts) {
-      if (candidate.effect->info().name == "torque_ripple") {
+      if (candidate.effect->info().traits.harmonic) {
         const std::optional<std::vector<double>> sized = SizeRipple(candidate, projection, start, threshold, best);
         if (sized) take(evaluate(*sized));
         continue;
@@ -82,7 +83,7 @@ class Look {
         take(evaluate(start));
         continue;
       }
-      if (&start != &starts.front() && AsItStands(*candidate.effect)) {
+      if (&start != &starts.front() && AsItStands(candidate)) {
         take(evaluate(start));
         continue;
       }
@@ -219,7 +220,7 @@ class Look {
       if (k == 0 && norm > 0.0) {
         double seen = size * std::sqrt(threshold) / norm;
         // Play shows at once or not at all: its signature does not grow with its size.
-        if (candidate.effect->info().name == "backlash") seen = norm * norm > threshold ? size : screened.smallest;
+        if (candidate.effect->info().traits.play) seen = norm * norm > threshold ? size : screened.smallest;
         if (!(screened.smallest <= seen)) screened.smallest = seen;
       }
     }
@@ -280,7 +281,7 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
     ParallelFor(which.size(), 0, [&](std::size_t k) {
       const std::size_t i = which[k];
       Candidate candidate = candidates[i];
-      if (!ripple.empty() && candidate.effect->info().name == "torque_ripple") candidate.starts = {ripple};
+      if (!ripple.empty() && candidate.effect->info().traits.harmonic) candidate.starts = {ripple};
       all[i] = look.At(candidate, threshold);
       all[i].candidate = i;
       ++done;
@@ -288,20 +289,18 @@ std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit
     });
   };
   run(first);
+  const auto family_at = [](const Candidate& one) { return one.family + "@" + one.place.ToString(); };
   double rippled = base.chi2 - 0.3 * threshold;
   for (const std::size_t i : first) {
-    const std::string& name = candidates[i].effect->info().name;
-    const bool friction =
-        name == "coulomb_friction" || name == "viscous_friction" || name == "constant_load" || name == "quadratic_drag";
-    if (friction && base.chi2 - all[i].chi2 > threshold) promising.insert(candidates[i].place.ToString());
-    if (name == "torque_ripple" && all[i].chi2 < rippled) {
+    if (base.chi2 - all[i].chi2 > threshold) promising.insert(family_at(candidates[i]));
+    if (candidates[i].effect->info().traits.harmonic && all[i].chi2 < rippled) {
       ripple = all[i].parameters;
       rippled = all[i].chi2;
     }
   }
   std::erase_if(second, [&](std::size_t i) {
-    if (candidates[i].effect->info().name == "torque_ripple") return ripple.empty();
-    return !promising.contains(candidates[i].place.ToString());
+    if (candidates[i].effect->info().traits.harmonic) return ripple.empty();
+    return !promising.contains(family_at(candidates[i]));
   });
   run(second);
   std::vector<Screened> screened;

@@ -24,7 +24,8 @@ constexpr int kShakes = 12;               // of a fit with dry friction
 constexpr double kRough = 500.0;          // -2 log evidence that such a fit may lack where it came to rest
 
 bool Rubs(const Fit& fit) {
-  return fit.ok() && !fit.hypothesis.effects.empty() && IsDryFriction(*fit.hypothesis.effects.back().effect);
+  return fit.ok() && !fit.hypothesis.effects.empty() &&
+         fit.hypothesis.effects.back().effect->info().traits.dry_friction;
 }
 
 bool Same(const Assumed& a, const Assumed& b) { return a.SameCause(b) && a.parameters == b.parameters; }
@@ -98,7 +99,7 @@ class Searching {
     if (!slips && options_.suspects.empty()) {
       const Assumed* best = fits.empty() ? nullptr : &fits.front().hypothesis.effects.back();
       const bool rest = AnyFound(structure);
-      if (rest || (best != nullptr && FallsOrDiffers(*best->effect))) {
+      if (rest || (best != nullptr && best->effect->info().traits.speed_dependent)) {
         const Result<bool> explained =
             FromTheBeginning(rest ? std::nullopt : std::optional(best->place), fits, null, structure);
         if (!explained.ok()) return explained.failure();
@@ -323,7 +324,7 @@ class Searching {
       const bool here = best != nullptr && candidate.place == best->place && candidate.effect != best->effect;
       for (const std::vector<double>& start : candidate.starts) {
         Assumed assumed = candidate.At(start);
-        if (ChangesStructure(assumed) || IsDryFriction(*assumed.effect)) break;
+        if (ChangesStructure(assumed) || assumed.effect->info().traits.dry_friction) break;
         const bool moves = std::any_of(study_->doubts().begin(), study_->doubts().end(),
                                        [&](const Doubt& doubt) { return Changes(assumed, doubt); });
         if (here || moves) starts.push_back(std::move(assumed));

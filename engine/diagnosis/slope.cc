@@ -8,7 +8,8 @@
 namespace dynoproof::diagnosis {
 
 bool NeedsWideDifferences(const std::vector<Assumed>& effects) {
-  return std::any_of(effects.begin(), effects.end(), [](const Assumed& one) { return IsDryFriction(*one.effect); });
+  return std::any_of(effects.begin(), effects.end(),
+                     [](const Assumed& one) { return one.effect->info().traits.dry_friction; });
 }
 
 std::optional<Difference> DifferenceOf(const std::function<Result<Eigen::VectorXd>(double)>& predicted,

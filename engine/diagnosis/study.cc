@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 
-#include "diagnosis/candidates.h"
 #include "experiment/prepare.h"
 #include "score/series.h"
 #include "sim/simulate.h"
@@ -70,12 +69,12 @@ void CutRecord(MappedRecord& record, double until) {
 Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until,
              std::shared_ptr<mechanics::Decompositions> known)
     : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), known_(std::move(known)) {
-  if (!records_.empty()) StartFromRecord(records_.front(), plan_);
+  if (!records_.empty()) StartFromRecord(records_.front(), registry, plan_);
   for (MappedRecord& record : records_) {
     if (until < 1.0) CutRecord(record, until);
   }
   given_ = records_;
-  doubts_ = DoubtsOf(plan_);
+  doubts_ = DoubtsOf(plan_, registry);
   if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);
   Eigen::Index rows = 0;
   const auto text = [&](const std::string& output, const char* key) {
@@ -130,7 +129,7 @@ Plan Study::PlanOf(const Hypothesis& hypothesis) const {
 bool Study::NeedsFinerSteps(const Hypothesis& hypothesis) const {
   return !PredictionWindow(plan_) && HasUndampedShaft(plan_) &&
          std::any_of(hypothesis.effects.begin(), hypothesis.effects.end(),
-                     [](const Assumed& assumed) { return IsDryFriction(*assumed.effect); });
+                     [](const Assumed& assumed) { return assumed.effect->info().traits.dry_friction; });
 }
 
 Result<Eigen::VectorXd> Study::Predict(const Hypothesis& hypothesis) const { return PredictPlan(PlanOf(hypothesis)); }

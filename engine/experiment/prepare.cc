@@ -74,19 +74,18 @@ void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
 
 }  // namespace
 
-void StartFromRecord(const MappedRecord& data, Plan& plan) {
+void StartFromRecord(const MappedRecord& data, const Registry& registry, Plan& plan) {
   // What noise and a sensor's error make of the first sample is less than this share.
   constexpr double kSaysOtherwise = 0.01;
-  const Value* type = plan.root.FindPath("plant.type");
-  if (type == nullptr || !type->is_string() || type->string() != "charge_air") return;
-  for (const auto& [port, volume] : {std::pair("plant.p_ch", "V_1"), std::pair("plant.p_s", "V_2")}) {
-    Value* start = plan.root.FindPath(fmt::format("plant.volume.{}.start_pressure_Pa", volume));
+  for (const auto& [path, port, lower] : registry.PlantOf(plan).measured_starts) {
+    Value* start = plan.root.FindPath(path);
     if (start == nullptr || !start->is_number()) continue;
     for (const auto& [name, series] : data.outputs) {
       const Value* of = plan.root.FindPath("output." + name + ".of");
       if (of == nullptr || !of->is_string() || of->string() != port || series.values->empty()) continue;
       const double first = series.values->front();
-      if (std::abs(first - start->number()) > kSaysOtherwise * start->number() && first >= 0.0) *start = Value(first);
+      const bool otherwise = std::abs(first - start->number()) > kSaysOtherwise * std::abs(start->number());
+      if (otherwise && first >= lower) *start = Value(first);
     }
   }
 }
@@ -235,7 +234,7 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
   }
   if (!plan) return nullptr;
   const bool as_fitted = options.data != nullptr && StartAsFitted(*options.data, *plan, diagnostics);
-  if (options.data != nullptr && !as_fitted) StartFromRecord(*options.data, *plan);
+  if (options.data != nullptr && !as_fitted) StartFromRecord(*options.data, registry, *plan);
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
   if (prepared != nullptr && as_fitted)
     prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");

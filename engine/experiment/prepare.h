@@ -52,7 +52,8 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics);
 
-/// Pressure plants start where the first samples of a record say, when these say otherwise than the plan.
-void StartFromRecord(const MappedRecord& data, Plan& plan);
+/// The plan's plant starts where the first samples of a record say, when these say otherwise than the plan, in the
+/// values that it declares as measured.
+void StartFromRecord(const MappedRecord& data, const Registry& registry, Plan& plan);
 
 }  // namespace dynoproof

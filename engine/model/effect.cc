@@ -23,6 +23,24 @@ std::optional<Place> ParsePlace(std::string_view text) {
   return place;
 }
 
+const PlantTraits& PlantOf(const Plan& plan, const PlantCatalogue& plants) {
+  static const PlantTraits none;
+  const Value* type = plan.root.FindPath("plant.type");
+  const auto found = type != nullptr && type->is_string() ? plants.find(type->string()) : plants.end();
+  return found != plants.end() ? found->second : none;
+}
+
+const PlantTraits& Effect::PlantOf(const Plan& plan) const {
+  static const PlantCatalogue none;
+  return dynoproof::PlantOf(plan, plants_ != nullptr ? *plants_ : none);
+}
+
+Points Effect::Starts(const Plan&, const Place&, const Magnitudes&) const {
+  std::vector<double> start;
+  for (const EffectParameter& parameter : info_.parameters) start.push_back(parameter.start);
+  return {start};
+}
+
 namespace {
 
 /// The parameters in the effect's order; faults are reported.

@@ -2,24 +2,19 @@
 // Hidden truth, fit and extended run share this route.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "model/params.h"
+#include "model/place.h"
 #include "model/plan.h"
+#include "model/plant_traits.h"
 
 namespace dynoproof {
-
-/// Where an effect can sit: kind:name[@quantity], such as "inertia:I5", "shaft:k3", "output:T_shaft".
-struct Place {
-  std::string kind, name, quantity;
-
-  std::string ToString() const;
-  friend bool operator==(const Place&, const Place&) = default;
-};
-std::optional<Place> ParsePlace(std::string_view text);
 
 /// One parameter of an effect as a fit needs it.
 struct EffectParameter {
@@ -29,10 +24,50 @@ struct EffectParameter {
   double start;         // where a search begins, within the bounds
 };
 
+/// What kind of change an effect is, for whoever searches for one: a search asks for these and knows no effect by name.
+struct EffectTraits {
+  /// A pure dead time of a signal; its one parameter is the delay [s].
+  bool delay = false;
+  /// A first-order lag of a signal; its one parameter is the time constant [s].
+  bool lag = false;
+  /// Dry friction: not smooth, the force jumps or sticks where the speed changes its sign.
+  bool dry_friction = false;
+  /// Dry friction whose force also depends on the amount of the speed or differs with its direction.
+  bool speed_dependent = false;
+  /// Play: not smooth, a shaft transmits nothing within a gap; its one parameter is half of the gap [rad].
+  bool play = false;
+  /// A harmonic of an angle, A sin(n phi + theta), with the parameters A, n, theta in this order.
+  bool harmonic = false;
+  /// Replaces parts of the plan by another model of them, so that nominal values beside it count for less.
+  bool changes_structure = false;
+  /// Effects of one family explain much of each other's error at the same place; empty: a family of its own.
+  std::string family = {};
+  /// The effect of which this one is a refinement: it is tried only where one of that effect's family gains something.
+  std::string refines = {};
+};
+
 struct EffectInfo {
   std::string name, law, description;
   std::vector<EffectParameter> parameters;
+  EffectTraits traits = {};
 };
+
+/// Usual magnitudes of a record's signals, in the units of the scenario.
+struct Magnitudes {
+  double input = 0.0;                // RMS of the largest input, without inputs of another unit
+  double speed = 1.0, torque = 1.0;  // RMS of the measured outputs of that unit; the inputs' where there is none
+  double duration_s = 1.0, step_s = 1e-4;
+  std::map<std::string, double> input_rms, input_peak, output_spread;  // by name; spread: standard deviation
+
+  /// The entry of one of these maps; 1 where there is none or it is 0.
+  static double Of(const std::map<std::string, double>& sizes, const std::string& name) {
+    const auto found = sizes.find(name);
+    return found != sizes.end() && found->second > 0.0 ? found->second : 1.0;
+  }
+};
+
+/// Points in the parameters of an effect, in its order.
+using Points = std::vector<std::vector<double>>;
 
 class Effect {
  public:
@@ -45,8 +80,29 @@ class Effect {
   /// Changes the plan. `parameters` has exactly the effect's parameters, checked against the bounds by ApplyEffect.
   virtual void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const = 0;
 
+  /// Where a search begins at this place of the nominal plan, for a record of these magnitudes; values beyond the
+  /// bounds are clamped. By default the parameters' own starts.
+  virtual Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const;
+  /// The path of the number that becomes nominal (1 + first parameter) and is all that changes; empty: there is none.
+  virtual std::string ScaledParameter(const Place& /*place*/) const { return ""; }
+
+  /// Dry friction only: the torque at which the body breaks loose [N m].
+  virtual double BreakAwayTorque(const std::vector<double>& parameters) const { return parameters.front(); }
+  /// Dry friction only: starts that break loose at that torque [N m], for a line of that usual speed [rad/s]. None: it
+  /// is not followed from the first slips of a record.
+  virtual Points StartsFromBreakAway(double /*torque*/, double /*speed*/) const { return {}; }
+  /// Parameters that the beginning of a record may have mistaken for these.
+  virtual Points MistakenFor(const std::vector<double>& /*parameters*/) const { return {}; }
+
  protected:
+  /// What the plant of a plan declares, by which an effect finds its places.
+  const PlantTraits& PlantOf(const Plan& plan) const;
+
   EffectInfo info_;
+
+ private:
+  friend class Registry;
+  std::shared_ptr<const PlantCatalogue> plants_;  // of the registry that it belongs to
 };
 
 class Registry;

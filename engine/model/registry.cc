@@ -20,6 +20,7 @@ void UnknownPlugin(const SourceSpan& where, const std::string& kind, const std::
 
 void Registry::Add(std::unique_ptr<Effect> effect) {
   std::string name = effect->info().name;
+  effect->plants_ = plants_;
   effects_[std::move(name)] = std::move(effect);
 }
 

@@ -50,7 +50,8 @@ class Registry {
   /// Registers a component or law class P with: P::Info() -> PluginInfo (parameters left empty), P::Params, and either
   /// P(const P::Params&, const BuildContext&), P(const P::Params&) or P::Create(params, table, context). A plugin whose
   /// parameters are tables of further plugins may have P::ReportMore(params, table, context): it is called when the
-  /// parameters were faulty, so that the faults inside those tables are reported in the same go.
+  /// parameters were faulty, so that the faults inside those tables are reported in the same go. A plant may have
+  /// P::Traits() -> PlantTraits.
   template <class P>
   void Add() {
     PluginInfo info = P::Info();
@@ -75,6 +76,7 @@ class Registry {
       laws_[info.name] = make;
     } else {
       components_[{info.kind, info.name}] = make;
+      if constexpr (requires { P::Traits(); }) (*plants_)[info.name] = P::Traits();
     }
     plugins_[{info.kind, info.name}] = std::move(info);
   }
@@ -86,6 +88,8 @@ class Registry {
   std::unique_ptr<Law> MakeLaw(const std::string& name, const Value& table, BuildContext& context) const;
 
   const Effect* FindEffect(std::string_view name) const;
+  /// What the plant of a plan declares.
+  const PlantTraits& PlantOf(const Plan& plan) const { return dynoproof::PlantOf(plan, *plants_); }
   const PluginInfo* FindPlugin(const std::string& kind, const std::string& name) const;
   std::vector<const PluginInfo*> Plugins() const;  // by kind, then name
   std::vector<const Effect*> Effects() const;      // by name
@@ -96,6 +100,7 @@ class Registry {
   std::map<Key, Factory<Component>> components_;
   std::map<std::string, Factory<Law>> laws_;
   std::map<std::string, std::unique_ptr<Effect>, std::less<>> effects_;
+  std::shared_ptr<PlantCatalogue> plants_ = std::make_shared<PlantCatalogue>();  // shared with the effects
 };
 
 /// Registers every built-in plugin (engine/plugins/register_all.cc).

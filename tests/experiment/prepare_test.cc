@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/build.h"
 #include "tests/support/plan_builder.h"
 
 namespace dynoproof {
@@ -21,7 +22,7 @@ TEST(StartFromRecord, TakesFirstSamplesThatSayOtherwise) {
   Plan plan = testing::AirPlan();  // starts at 3.5e5 and 5.0e5 Pa
   MappedRecord record;
   record.outputs = {{"p_ch", Constant(3.0e5)}, {"p_s", Constant(5.02e5)}};
-  StartFromRecord(record, plan);
+  StartFromRecord(record, testing::BuiltIns(), plan);
   EXPECT_EQ(StartOf(plan, "V_1"), 3.0e5);
   EXPECT_EQ(StartOf(plan, "V_2"), 5.0e5) << "0.4 % off is noise or a sensor's error";
 }
@@ -31,7 +32,7 @@ TEST(StartFromRecord, LeavesAllElseAlone) {
   record.outputs = {{"p_g", Constant(1e5)}, {"p_ch", Constant(-3.0e5)}};
   for (const Plan& plan : {testing::AirPlan(), testing::GasPlan(), testing::LumpedPlan()}) {
     Plan changed = plan;
-    StartFromRecord(record, changed);
+    StartFromRecord(record, testing::BuiltIns(), changed);
     if (plan.root.FindPath("plant.volume.V_1") != nullptr) {
       EXPECT_EQ(StartOf(changed, "V_1"), StartOf(plan, "V_1"));
     }

@@ -10,7 +10,7 @@ std::string LawOf(const Value& shaft) {
   return law == nullptr ? "spring_damper" : law->is_string() ? law->string() : "";
 }
 
-double NumberAt(const Value& shaft, const char* key) {
+double NumberOf(const Value& shaft, const char* key) {
   const Value* value = shaft.Find(key);
   return value != nullptr && value->is_number() ? value->number() : 0.0;
 }
@@ -22,8 +22,9 @@ bool HasUndampedPlay(const Value& shaft) {
 
 /// The shafts of a drive line that `suits` accepts.
 template <class Suits>
-std::vector<Place> ShaftsThat(const Plan& plan, const Suits& suits) {
+std::vector<Place> ShaftsThat(const PlantTraits& plant, const Plan& plan, const Suits& suits) {
   std::vector<Place> places;
+  if (!plant.drive_line) return places;
   for (const std::string& name : NamesIn(plan, "shaft")) {
     const Value& shaft = *Section(plan, "shaft")->Find(name);
     if (shaft.is_table() && suits(shaft)) places.push_back({"shaft", name, ""});
@@ -40,16 +41,22 @@ class BacklashOnShaft : public Effect {
     info_ = {"backlash",
              "T = k (d -+ a) + c w beyond a gap of +-a, phase-plane law; thesis (3.3), (3.4)",
              "a shaft with play where the model has none",
-             {{"a", "rad", "half of the play", 0.0, 0.2, 0.0, 1e-3}}};
+             {{"a", "rad", "half of the play", 0.0, 0.2, 0.0, 1e-3}},
+             {.play = true}};
+  }
+  // In a resonance, or where no torque was measured, the twist is several times that of the torque at rest.
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const override {
+    const double twist = UsualTwist(plan, place, magnitudes);
+    return {{0.03 * twist}, {0.3 * twist}};
   }
   std::vector<Place> Places(const Plan& plan) const override {
-    return ShaftsThat(plan, [](const Value& shaft) {
-      return LawOf(shaft) == "spring_damper" && NumberAt(shaft, "stiffness_Nm_per_rad") > 0.0;
+    return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) {
+      return LawOf(shaft) == "spring_damper" && NumberOf(shaft, "stiffness_Nm_per_rad") > 0.0;
     });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = ShaftAt(plan, place);
-    Replace(shaft["law"], Value(NumberAt(shaft, "damping_Nms_per_rad") > 0.0 ? "phase_plane" : "dead_zone"));
+    Replace(shaft["law"], Value(NumberOf(shaft, "damping_Nms_per_rad") > 0.0 ? "phase_plane" : "dead_zone"));
     shaft["half_gap_rad"] = Value(parameters[0]);
   }
 };
@@ -63,11 +70,14 @@ class GapChangeOfShaft : public Effect {
              {{"delta", "1", "relative error of the gap", -0.9, 4.0, 0.0, 0.02}}};
   }
   std::vector<Place> Places(const Plan& plan) const override {
-    return ShaftsThat(plan, [](const Value& shaft) { return NumberAt(shaft, "half_gap_rad") > 0.0; });
+    return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) { return NumberOf(shaft, "half_gap_rad") > 0.0; });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& gap = ShaftAt(plan, place)["half_gap_rad"];
     Replace(gap, Value(gap.number() * (1.0 + parameters[0])));
+  }
+  std::string ScaledParameter(const Place& place) const override {
+    return "plant.shaft." + place.name + ".half_gap_rad";
   }
 };
 
@@ -81,7 +91,7 @@ class ContactFreeDampingOfShaft : public Effect {
              {{"c_f", "N m s/rad", "damping inside the gap", 0.0, 10.0, 0.0, 0.05}}};
   }
   std::vector<Place> Places(const Plan& plan) const override {
-    return ShaftsThat(plan, [](const Value& shaft) { return HasUndampedPlay(shaft); });
+    return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) { return HasUndampedPlay(shaft); });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = ShaftAt(plan, place);

@@ -10,8 +10,9 @@ namespace {
 constexpr double kShape = std::numeric_limits<double>::quiet_NaN();
 
 /// Shafts with law kelvin_voigt that has no drift yet.
-std::vector<Place> Couplings(const Plan& plan, bool damped) {
+std::vector<Place> Couplings(const PlantTraits& plant, const Plan& plan, bool damped) {
   std::vector<Place> places;
+  if (!plant.drive_line) return places;
   for (const std::string& name : NamesIn(plan, "shaft")) {
     const Value& shaft = *Section(plan, "shaft")->Find(name);
     const Value* law = shaft.Find("law");
@@ -36,7 +37,14 @@ class OilDynamicsEffect : public Effect {
               {"k_p_kappa_w", "N m/rad", "stiffness that closed-in oil adds", 1e3, 1e8, kShape, 1.5e5}}};
   }
 
-  std::vector<Place> Places(const Plan& plan) const override { return Couplings(plan, false); }
+  std::vector<Place> Places(const Plan& plan) const override { return Couplings(PlantOf(plan), plan, false); }
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes&) const override {
+    const double k = StiffnessAt(plan, place);
+    const double c = NumberAt(plan, "plant.shaft." + place.name + ".damping_Nms_per_rad", 500.0);
+    Points starts;
+    for (const double kappa : {60.0, 200.0, 600.0}) starts.push_back({0.9 * k, kappa, c * kappa});
+    return starts;
+  }
 
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = plan.root["plant"]["shaft"][place.name];
@@ -60,7 +68,10 @@ class ViscosityDriftEffect : public Effect {
               {"tau", "s", "time constant of that", 0.01, 1e4, kShape, 1.0}}};
   }
 
-  std::vector<Place> Places(const Plan& plan) const override { return Couplings(plan, true); }
+  std::vector<Place> Places(const Plan& plan) const override { return Couplings(PlantOf(plan), plan, true); }
+  Points Starts(const Plan&, const Place&, const Magnitudes& m) const override {
+    return {{0.2, 0.05 * m.duration_s}, {0.2, 0.2 * m.duration_s}, {0.2, 0.7 * m.duration_s}};
+  }
 
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = plan.root["plant"]["shaft"][place.name];

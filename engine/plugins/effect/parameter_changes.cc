@@ -12,8 +12,9 @@ namespace {
 class ParameterChange : public Effect {
  public:
   /// `kinds`: the kinds of place; `key`: the value's key there, which a lumped inertia (a bare number) does not need.
-  ParameterChange(std::string name, std::string what, double upper, std::vector<std::string> kinds, std::string key)
-      : kinds_(std::move(kinds)), key_(std::move(key)) {
+  ParameterChange(std::string name, std::string what, double upper, std::vector<std::string> kinds, std::string key,
+                  Points starts)
+      : kinds_(std::move(kinds)), key_(std::move(key)), starts_(std::move(starts)) {
     // Below 10 % of the nominal value the model is wrong in kind, not in a number. The start is off 0 by what a data
     // sheet is usually off by, so that a relative step of a fit changes something.
     info_ = {std::move(name),
@@ -24,9 +25,10 @@ class ParameterChange : public Effect {
 
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
+    if (!PlantOf(plan).drive_line) return places;
     for (const std::string& kind : kinds_) {
       for (const std::string& name : NamesIn(plan, kind)) {
-        const Value* value = plan.root.FindPath(PathOf({kind, name, ""}));
+        const Value* value = plan.root.FindPath(ScaledParameter({kind, name, ""}));
         if (value != nullptr && value->is_number() && value->number() != 0.0) places.push_back({kind, name, ""});
       }
     }
@@ -34,37 +36,46 @@ class ParameterChange : public Effect {
   }
 
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
-    Value& value = *plan.root.FindPath(PathOf(place));
+    Value& value = *plan.root.FindPath(ScaledParameter(place));
     Replace(value, Value(value.number() * (1.0 + parameters[0])));
   }
 
- private:
-  std::string PathOf(const Place& place) const {
+  Points Starts(const Plan&, const Place&, const Magnitudes&) const override { return starts_; }
+
+  std::string ScaledParameter(const Place& place) const override {
     return fmt::format("plant.{}.{}{}{}", place.kind, place.name, place.kind == "inertia" ? "" : ".",
                        place.kind == "inertia" ? "" : key_);
   }
 
+ private:
   std::vector<std::string> kinds_;
   std::string key_;
+  Points starts_;
 };
+
+// Far off too: a resonance that moved by more than its width leaves no slope to follow.
+Points MovedResonance() { return {{0.02}, {-0.5}, {-0.3}, {-0.2}, {-0.1}, {0.1}, {0.2}, {0.35}, {0.6}, {1.0}}; }
 
 }  // namespace
 
 std::unique_ptr<Effect> InertiaChange() {
   // A flange or a coupling left on can double a small inertia and more.
   return std::make_unique<ParameterChange>("inertia_change", "inertia", 4.0,
-                                           std::vector<std::string>{"inertia", "rotor"}, "inertia_kg_m2");
+                                           std::vector<std::string>{"inertia", "rotor"}, "inertia_kg_m2",
+                                           MovedResonance());
 }
 
 std::unique_ptr<Effect> StiffnessChange() {
   return std::make_unique<ParameterChange>("stiffness_change", "stiffness", 4.0,
-                                           std::vector<std::string>{"shaft", "rotor"}, "stiffness_Nm_per_rad");
+                                           std::vector<std::string>{"shaft", "rotor"}, "stiffness_Nm_per_rad",
+                                           MovedResonance());
 }
 
 std::unique_ptr<Effect> DampingChange() {
   // Dampings are the least known numbers of a drive line: the thesis finds 5.5 beside 125 N m s/rad on one line (A.7).
   return std::make_unique<ParameterChange>("damping_change", "damping", 49.0,
-                                           std::vector<std::string>{"shaft", "rotor"}, "damping_Nms_per_rad");
+                                           std::vector<std::string>{"shaft", "rotor"}, "damping_Nms_per_rad",
+                                           Points{{0.2}, {2.0}});
 }
 
 }  // namespace dynoproof::effects

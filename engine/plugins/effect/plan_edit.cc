@@ -12,9 +12,8 @@ constexpr const char* kSections[] = {"inertia", "rotor", "shaft", "load", "torqu
 }  // namespace
 
 const Value* DriveLineOf(const Plan& plan) {
-  const Value* type = plan.root.FindPath("plant.type");
-  if (type == nullptr || !type->is_string() || type->string() != "drive_line") return nullptr;
   const Value* plant = plan.root.Find("plant");
+  if (plant == nullptr) return nullptr;
   // A plan is edited before it is built, so before the plant has checked it: what is no table is left to that check.
   for (const char* section : kSections) {
     const Value* table = plant->Find(section);
@@ -34,15 +33,18 @@ std::vector<std::string> NamesIn(const Plan& plan, std::string_view section) {
   return table != nullptr ? KeysOf(*table) : std::vector<std::string>();
 }
 
-std::vector<Place> BodyPlaces(const Plan& plan) {
-  std::vector<Place> places;
-  const Value *type = plan.root.FindPath("plant.type"), *body = plan.root.FindPath("plant.body");
-  if (type != nullptr && type->is_string() && type->string() == "moved_body")
-    places.push_back({"inertia", body != nullptr && body->is_string() ? body->string() : "body", ""});
-  for (const char* kind : {"inertia", "rotor"}) {
-    for (const std::string& name : NamesIn(plan, kind)) places.push_back({kind, name, ""});
-  }
-  return places;
+double NumberAt(const Plan& plan, const std::string& path, double otherwise) {
+  const Value* value = plan.root.FindPath(path);
+  return value != nullptr && value->is_number() ? value->number() : otherwise;
+}
+
+double StiffnessAt(const Plan& plan, const Place& shaft) {
+  return NumberAt(plan, "plant.shaft." + shaft.name + ".stiffness_Nm_per_rad", 0.0);
+}
+
+double UsualTwist(const Plan& plan, const Place& shaft, const Magnitudes& magnitudes) {
+  const double k = StiffnessAt(plan, shaft);
+  return k > 0.0 ? magnitudes.torque / k : 1e-3;
 }
 
 Value::Array ListOf(const Value* value) {

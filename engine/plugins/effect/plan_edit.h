@@ -10,15 +10,20 @@
 
 namespace dynoproof::effects {
 
-/// The table [plant] when its type is drive_line and its sections are tables, else null.
+/// The table [plant] when the sections of a drive line in it are tables, else null. Whether the plant is one at all its
+/// traits say.
 const Value* DriveLineOf(const Plan& plan);
 /// The section [plant.`name`] of a drive line, as a table; null when there is none.
 const Value* Section(const Plan& plan, std::string_view name);
 /// The keys of that section.
 std::vector<std::string> NamesIn(const Plan& plan, std::string_view section);
 
-/// inertia:NAME for each lumped inertia and for a moved body, then rotor:NAME for each soft rotor.
-std::vector<Place> BodyPlaces(const Plan& plan);
+/// The number at a path, `otherwise` where there is none.
+double NumberAt(const Plan& plan, const std::string& path, double otherwise);
+/// The stiffness of a drive line's shaft [N m/rad], 0 where none is written.
+double StiffnessAt(const Plan& plan, const Place& shaft);
+/// The twist of that shaft under the record's torque [rad].
+double UsualTwist(const Plan& plan, const Place& shaft, const Magnitudes& magnitudes);
 
 /// A list that may stand as a single item without brackets.
 Value::Array ListOf(const Value* value);

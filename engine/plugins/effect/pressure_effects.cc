@@ -9,28 +9,30 @@
 namespace dynoproof::effects {
 namespace {
 
-/// The type of a pressure plant, or nothing.
-std::string PlantOf(const Plan& plan) {
-  const Value* type = plan.root.FindPath("plant.type");
-  const bool pressure =
-      type != nullptr && type->is_string() && (type->string() == "charge_air" || type->string() == "fuel_gas");
-  return pressure ? type->string() : "";
-}
-
 /// A number at an entry of [plant.SECTION.NAME]: by nominal value and parameter the new one.
 class EntryEffect : public Effect {
  public:
   using Change = std::function<double(double nominal, double parameter)>;
-  /// `fallback`: the nominal value where the key is not written.
-  EntryEffect(EffectInfo info, std::vector<std::string> sections, std::string key, double fallback, Change change)
-      : sections_(std::move(sections)), key_(std::move(key)), fallback_(fallback), change_(std::move(change)) {
+  /// `fallback`: the nominal value where the key is not written. `starts`: empty for the parameter's own.
+  EntryEffect(EffectInfo info, std::vector<std::string> sections, std::string key, double fallback, Change change,
+              Points starts = {})
+      : sections_(std::move(sections)),
+        key_(std::move(key)),
+        fallback_(fallback),
+        change_(std::move(change)),
+        starts_(std::move(starts)) {
     info_ = std::move(info);
+  }
+
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const override {
+    return starts_.empty() ? Effect::Starts(plan, place, magnitudes) : starts_;
   }
 
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
-    if (PlantOf(plan).empty()) return places;
+    const std::vector<std::string>& offered = PlantOf(plan).sections;
     for (const std::string& section : sections_) {
+      if (std::find(offered.begin(), offered.end(), section) == offered.end()) continue;
       const Value* entries = plan.root.FindPath("plant." + section);
       if (entries == nullptr || !entries->is_table()) continue;
       for (const Value::Entry& entry : entries->table()) {
@@ -53,6 +55,7 @@ class EntryEffect : public Effect {
   std::string key_;
   double fallback_;
   Change change_;
+  Points starts_;
 };
 
 double Sum(double nominal, double parameter) { return nominal + parameter; }
@@ -69,15 +72,21 @@ class HysteresisEffect : public Effect {
              {{"width", "1", "total play, in the unit of the input", 0.0, 1e7, 0.0, 1.0}}};
   }
 
+  // Play that the record does not exceed hides all motion: several sizes, the smallest first.
+  Points Starts(const Plan&, const Place& place, const Magnitudes& m) const override {
+    const double peak = Magnitudes::Of(m.input_peak, place.name);
+    return {{0.01 * peak}, {0.05 * peak}};
+  }
+
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
-    const std::string plant = PlantOf(plan);
+    const std::vector<std::string>& linkages = PlantOf(plan).linkages;
     const Value* inputs = plan.root.Find("input");
-    if (plant.empty() || inputs == nullptr || !inputs->is_table()) return places;
+    if (inputs == nullptr || !inputs->is_table()) return places;
     for (const Value::Entry& entry : inputs->table()) {
       for (const std::string& port : StringsOf(entry.value.Find("to"))) {
-        const bool moves = plant == "fuel_gas" ? port == "plant.p_mem" : port == "plant.u_1" || port == "plant.u_2";
-        if (moves) places.push_back({"input", entry.key, ""});
+        if (std::find(linkages.begin(), linkages.end(), port) != linkages.end())
+          places.push_back({"input", entry.key, ""});
       }
     }
     return places;
@@ -100,7 +109,8 @@ std::unique_ptr<Effect> FlowAreaError() {
                                                   "A = g A(u); fuel gas: k_q and d_q together",
                                                   "an effective area is off by a factor",
                                                   {{"g", "1", "factor, 1: none", 0.1, 10.0, 1.0, 1.02}}},
-                                       std::vector<std::string>{"flap", "valve"}, "area_factor", 1.0, Product);
+                                       std::vector<std::string>{"flap", "valve"}, "area_factor", 1.0, Product,
+                                       Points{{1.02}, {0.98}, {0.9}, {1.1}, {0.75}, {1.3}});
 }
 
 std::unique_ptr<Effect> Leakage() {
@@ -129,7 +139,9 @@ std::unique_ptr<Effect> ValveStiction() {
                                                   "F = -F_c sgn(v), sticking when it can hold",
                                                   "dry friction of membrane and rod",
                                                   {{"F_c", "N", "friction force", 0.0, 1e4, 0.0, 1.0}}},
-                                       std::vector<std::string>{"valve"}, "friction_N", 0.0, Sum);
+                                       std::vector<std::string>{"valve"}, "friction_N", 0.0, Sum,
+                                       // Stiction that the record does not exceed hides all motion.
+                                       Points{{2.0}, {10.0}, {40.0}});
 }
 
 }  // namespace dynoproof::effects

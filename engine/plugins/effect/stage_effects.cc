@@ -19,10 +19,17 @@ bool IsSampled(const Value& stage) {
 
 class StageEffect : public Effect {
  public:
+  /// Starts from the name of the input or output; null: the parameters' own.
+  using StartsOf = Points (*)(const std::string& signal, const Magnitudes& m);
+
   /// `section`: "input" or "output"; `keys`: the stage's key for each parameter of the effect.
-  StageEffect(std::string section, EffectInfo info, std::string type, std::vector<std::string> keys)
-      : section_(std::move(section)), type_(std::move(type)), keys_(std::move(keys)) {
+  StageEffect(std::string section, EffectInfo info, std::string type, std::vector<std::string> keys, StartsOf starts)
+      : section_(std::move(section)), type_(std::move(type)), keys_(std::move(keys)), starts_(starts) {
     info_ = std::move(info);
+  }
+
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const override {
+    return starts_ != nullptr ? starts_(place.name, magnitudes) : Effect::Starts(plan, place, magnitudes);
   }
 
   std::vector<Place> Places(const Plan& plan) const override {
@@ -47,10 +54,25 @@ class StageEffect : public Effect {
  private:
   std::string section_, type_;
   std::vector<std::string> keys_;
+  StartsOf starts_;
 };
 
-std::unique_ptr<Effect> Make(const char* section, EffectInfo info, const char* type, std::vector<std::string> keys) {
-  return std::make_unique<StageEffect>(section, std::move(info), type, std::move(keys));
+std::unique_ptr<Effect> Make(const char* section, EffectInfo info, const char* type, std::vector<std::string> keys,
+                             StageEffect::StartsOf starts = nullptr) {
+  return std::make_unique<StageEffect>(section, std::move(info), type, std::move(keys), starts);
+}
+
+Points LagStarts(const std::string&, const Magnitudes& m) {
+  return {{m.step_s}, {4.0 * m.step_s}, {16.0 * m.step_s}, {64.0 * m.step_s}};
+}
+
+/// The screening adds how late a signal comes: a delay beyond the signal's own width has no slope back to one sample.
+Points DelayStarts(const std::string&, const Magnitudes& m) { return {{m.step_s}}; }
+
+Points Multiples(double of, std::initializer_list<double> factors) {
+  Points starts;
+  for (const double factor : factors) starts.push_back({factor * of});
+  return starts;
 }
 
 // Fast torque actuators lag by 0.1 ... 4 ms (thesis Sec. 5.1), valves and flaps by up to a second; the start is the
@@ -66,13 +88,13 @@ EffectParameter Gain() { return {"g", "1", "factor, 1: none", 0.1, 10.0, 1.0, 1.
 }  // namespace
 
 std::unique_ptr<Effect> ActuatorLag() {
-  return Make("input", {"actuator_lag", "tau dy/dt = u - y", "first-order lag of an input", {Lag()}}, "first_order_lag",
-              {"tau_s"});
+  return Make("input", {"actuator_lag", "tau dy/dt = u - y", "first-order lag of an input", {Lag()}, {.lag = true}},
+              "first_order_lag", {"tau_s"}, LagStarts);
 }
 
 std::unique_ptr<Effect> ActuatorDelay() {
-  return Make("input", {"actuator_delay", "y(t) = u(t - t_d)", "pure delay of an input", {Delay()}}, "delay",
-              {"delay_s"});
+  return Make("input", {"actuator_delay", "y(t) = u(t - t_d)", "pure delay of an input", {Delay()}, {.delay = true}},
+              "delay", {"delay_s"}, DelayStarts);
 }
 
 std::unique_ptr<Effect> ActuatorGain() {
@@ -88,7 +110,9 @@ std::unique_ptr<Effect> ActuatorSaturation() {
        // The start bites on inputs of the drive lines (nominal 1000 N m); a fit should rather begin below the
        // largest value of the record, as a limit above it changes nothing.
        {{"limit", "1", "largest magnitude, in the unit of the input", 1e-3, kLargestSignal, kLargestSignal, 500.0}}},
-      "saturation", {"limit"});
+      "saturation", {"limit"}, [](const std::string& input, const Magnitudes& m) {
+        return Multiples(Magnitudes::Of(m.input_peak, input), {0.5, 0.7, 0.85, 0.95});
+      });
 }
 
 std::unique_ptr<Effect> ActuatorDeadZone() {
@@ -97,7 +121,10 @@ std::unique_ptr<Effect> ActuatorDeadZone() {
                "y = 0 within +-width/2, shifted outside",
                "an input does nothing near zero",
                {{"width", "1", "total width, in the unit of the input", 0.0, kLargestSignal, 0.0, 1.0}}},
-              "dead_zone", {"width"});
+              "dead_zone", {"width"}, [](const std::string& input, const Magnitudes& m) {
+                // A wide one lets only peaks through: from a narrow one no slope leads there.
+                return Multiples(Magnitudes::Of(m.input_rms, input), {0.05, 0.5, 1.5, 5.0});
+              });
 }
 
 std::unique_ptr<Effect> ActuatorHarmonic() {
@@ -121,17 +148,19 @@ std::unique_ptr<Effect> SensorOffset() {
                "y = x + o",
                "an output is off by a constant",
                {{"o", "1", "offset, in the unit of the output", -kLargestSignal, kLargestSignal, 0.0, 0.0}}},
-              "offset", {"offset"});
+              "offset", {"offset"}, [](const std::string& output, const Magnitudes& m) {
+                return Multiples(Magnitudes::Of(m.output_spread, output), {0.05});
+              });
 }
 
 std::unique_ptr<Effect> SensorDelay() {
-  return Make("output", {"sensor_delay", "y(t) = x(t - t_d)", "pure delay of an output", {Delay()}}, "delay",
-              {"delay_s"});
+  return Make("output", {"sensor_delay", "y(t) = x(t - t_d)", "pure delay of an output", {Delay()}, {.delay = true}},
+              "delay", {"delay_s"}, DelayStarts);
 }
 
 std::unique_ptr<Effect> SensorLag() {
-  return Make("output", {"sensor_lag", "tau dy/dt = x - y", "first-order lag of an output", {Lag()}}, "first_order_lag",
-              {"tau_s"});
+  return Make("output", {"sensor_lag", "tau dy/dt = x - y", "first-order lag of an output", {Lag()}, {.lag = true}},
+              "first_order_lag", {"tau_s"}, LagStarts);
 }
 
 std::unique_ptr<Effect> SensorDrift() {
@@ -142,7 +171,9 @@ std::unique_ptr<Effect> SensorDrift() {
        "an output drifts away",
        // The whole range within a second at most.
        {{"slope", "1/s", "growth, in the unit of the output per second", -kLargestSignal, kLargestSignal, 0.0, 0.0}}},
-      "drift", {"slope_per_s"});
+      "drift", {"slope_per_s"}, [](const std::string& output, const Magnitudes& m) {
+        return Points{{0.05 * Magnitudes::Of(m.output_spread, output) / m.duration_s}};
+      });
 }
 
 std::unique_ptr<Effect> SensorRectified() {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -53,11 +54,33 @@ class DistributedInertiaEffect : public Effect {
              "a named run of lumps is one distributed rotor",
              {{"I", "kg m^2", "inertia of the whole rotor", 1e-3, 200.0, kShape, 10.0},
               {"k_rotor", "N m/rad", "stiffness from end to end", 1e3, 1e9, kShape, 1e7},
-              {"c_rotor", "N m s/rad", "damping from end to end", 0.0, 5000.0, kShape, 50.0}}};
+              {"c_rotor", "N m s/rad", "damping from end to end", 0.0, 5000.0, kShape, 50.0}},
+             {.changes_structure = true}};
+  }
+
+  /// The inertia of the run, and its springs in series, as the thesis' first guess (2.94).
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes&) const override {
+    const Names inertias = StringsOf(plan.root.FindPath("plant.run." + place.name + ".inertias"));
+    double inertia = 0.0, compliance = 0.0;
+    for (const std::string& name : inertias) inertia += NumberAt(plan, "plant.inertia." + name, 0.0);
+    for (const std::string& name : NamesIn(plan, "shaft")) {
+      const Names ends = StringsOf(Section(plan, "shaft")->Find(name)->Find("between"));
+      const auto inside =
+          std::count_if(ends.begin(), ends.end(), [&](const std::string& end) { return Contains(inertias, end); });
+      const double k = StiffnessAt(plan, {"shaft", name, ""});
+      if (inside == 2 && k > 0.0) compliance += 1.0 / k;
+    }
+    const double k = compliance > 0.0 ? 1.0 / compliance : 1e7;
+    Points starts;
+    for (const double share : {0.75, 1.0}) {
+      for (const double factor : {0.8, 1.0, 1.3}) starts.push_back({share * inertia, factor * k, 5e-6 * k});
+    }
+    return starts;
   }
 
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
+    if (!PlantOf(plan).drive_line) return places;
     for (const std::string& name : NamesIn(plan, "run")) {
       if (Analyse(plan, name)) places.push_back({"rotor", name, ""});
     }
@@ -193,8 +216,24 @@ class SeriesElasticityEffect : public Effect {
               {"c", "N m s/rad", "damping of the joint", 0.0, 1e4, kShape, 1.0}}};
   }
 
+  /// About the stiffest shaft: a joint that is much stiffer does not show.
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes&) const override {
+    double stiffest = 0.0;
+    for (const std::string& name : NamesIn(plan, "shaft"))
+      stiffest = std::max(stiffest, StiffnessAt(plan, {"shaft", name, ""}));
+    if (!(stiffest > 0.0)) stiffest = 1e6;
+    const double inertia = NumberAt(plan, "plant.inertia." + place.name, 1.0);
+    Points starts;
+    for (const double factor : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+      const double joint = factor * stiffest;
+      starts.push_back({joint, 0.01 * std::sqrt(joint * inertia)});
+    }
+    return starts;
+  }
+
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
+    if (!PlantOf(plan).drive_line) return places;
     for (const std::string& name : NamesIn(plan, "inertia")) {
       const Value& inertia = *Section(plan, "inertia")->Find(name);
       const std::size_t shafts = ShaftsAt(plan, name).size();
@@ -262,8 +301,15 @@ class CubicStiffnessEffect : public Effect {
              {{"k3", "N m/rad^3", "cubic stiffness", -1e17, 1e18, 0.0, 1e6}}};
   }
 
+  // In a resonance, or where no torque was measured, the twist is several times that of the torque at rest.
+  Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const override {
+    const double k = StiffnessAt(plan, place), twist = UsualTwist(plan, place, magnitudes);
+    return {{0.02 * k / (twist * twist)}, {0.001 * k / (twist * twist)}};
+  }
+
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
+    if (!PlantOf(plan).drive_line) return places;
     for (const std::string& name : NamesIn(plan, "shaft")) {
       const Value& shaft = *Section(plan, "shaft")->Find(name);
       const Value* k = shaft.Find("stiffness_Nm_per_rad");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "plugins/plant/separating_flows.h"
+
 namespace dynoproof {
 namespace {
 
@@ -60,6 +62,28 @@ PluginInfo ChargeAir::Info() {
           "dp_ch/dt = R theta/V_1 (q_1 - q_e), dp_s/dt = R theta/V_2 (q_c - q_2 - q_1), q = A(u) p/sqrt(R theta) Psi",
           "thesis (6.3)-(6.6)",
           {}};
+}
+
+PlantTraits ChargeAir::Traits() {
+  PlantTraits traits;
+  traits.nuisances = [](const Plan& plan) {
+    std::vector<NuisanceParameter> nuisances;
+    const Value* volumes = plan.root.FindPath("plant.volume");
+    for (const std::string& name : volumes != nullptr ? KeysOf(*volumes) : std::vector<std::string>()) {
+      const std::string path = "plant.volume." + name + ".", start = path + "start_pressure_Pa";
+      nuisances.push_back({path + "volume_m3", true, 0.01, "pipes are measured on drawings"});
+      const Value* pressure = plan.root.FindPath(start);
+      if (pressure != nullptr && pressure->is_number() && pressure->number() != 0.0)
+        nuisances.push_back({start, false, 5e4, "a sensor's gain that is to be found: a tenth of 5 bar", true});
+    }
+    return nuisances;
+  };
+  traits.measured_starts = {{"plant.volume.V_1.start_pressure_Pa", "plant.p_ch", 0.0},
+                            {"plant.volume.V_2.start_pressure_Pa", "plant.p_s", 0.0}};
+  traits.sections = {"volume", "flap"};
+  traits.linkages = {"plant.u_1", "plant.u_2"};
+  traits.separating_experiment = kSeparatingFlows;
+  return traits;
 }
 
 void ChargeAir::Params::Check(Faults& faults) const {

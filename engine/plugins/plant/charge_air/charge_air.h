@@ -58,6 +58,7 @@ class ChargeAir : public Component {
     void Check(Faults& faults) const;
   };
   static PluginInfo Info();
+  static PlantTraits Traits();
   explicit ChargeAir(const Params& params);
 
   void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;

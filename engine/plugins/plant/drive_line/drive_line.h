@@ -70,6 +70,7 @@ class DriveLine : public Component {
   };
 
   static PluginInfo Info();
+  static PlantTraits Traits();
   /// Null, with diagnostics, when the parts do not make a connected line.
   static std::unique_ptr<DriveLine> Create(const Params& params, const Value& table, BuildContext& context);
   /// Reports what is wrong in shafts, loads and torques when the parameters as such were faulty already.

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "plugins/plant/separating_flows.h"
+
 namespace dynoproof {
 namespace {
 
@@ -96,6 +98,12 @@ void EngineBank::Params::Check(Faults& faults) const {
         "valves", "there is no part of the cycle with all valves closed around 360 degrees",
         "intake closes before 360 and exhaust opens behind it, in degrees from the dead centre with gas exchange");
   }
+}
+
+PlantTraits EngineBank::Traits() {
+  PlantTraits traits;
+  traits.separating_experiment = kSeparatingFlows;
+  return traits;
 }
 
 PluginInfo EngineBank::Info() {

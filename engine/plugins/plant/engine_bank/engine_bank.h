@@ -116,6 +116,7 @@ class EngineBank : public Component {
     kEnergyBalance
   };
   static PluginInfo Info();
+  static PlantTraits Traits();
   explicit EngineBank(const Params& params);
 
   void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "plugins/plant/separating_flows.h"
+
 namespace dynoproof {
 namespace {
 
@@ -68,6 +70,25 @@ PluginInfo FuelGas::Info() {
           "m x'' = A (p_mem - p_g) - F_s0 - k_s x - c_s x', dp_g/dt = R theta/V (q_g - q_e), q_g = max(0, k_q x + d_q)",
           "thesis (6.23)-(6.29)",
           {}};
+}
+
+PlantTraits FuelGas::Traits() {
+  PlantTraits traits;
+  traits.nuisances = [](const Plan& plan) {
+    std::vector<NuisanceParameter> nuisances;
+    const Value* volumes = plan.root.FindPath("plant.volume");
+    for (const std::string& name : volumes != nullptr ? KeysOf(*volumes) : std::vector<std::string>())
+      nuisances.push_back({"plant.volume." + name + ".volume_m3", true, 0.01, "pipes are measured on drawings"});
+    nuisances.push_back({"plant.mass_kg", true, 0.01, "a data sheet's mass"});
+    nuisances.push_back({"plant.stiffness_N_per_m", true, 0.01, "a data sheet's spring"});
+    nuisances.push_back({"plant.damping_Ns_per_m", true, 0.1, "nobody calculates dampings"});
+    nuisances.push_back({"plant.preload_N", true, 0.02, "a spring that is set by hand"});
+    return nuisances;
+  };
+  traits.sections = {"volume", "valve", "reservoir"};
+  traits.linkages = {"plant.p_mem"};
+  traits.separating_experiment = kSeparatingFlows;
+  return traits;
 }
 
 FuelGas::FuelGas(const Params& params)

@@ -74,6 +74,7 @@ class FuelGas : public Component {
     void Check(Faults& faults) const;
   };
   static PluginInfo Info();
+  static PlantTraits Traits();
   explicit FuelGas(const Params& params);
 
   void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;

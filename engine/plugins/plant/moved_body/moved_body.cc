@@ -15,6 +15,22 @@ PluginInfo MovedBody::Info() {
           {}};
 }
 
+PlantTraits MovedBody::Traits() {
+  PlantTraits traits;
+  traits.nuisances = [](const Plan&) {
+    // assumed: any size is as good as another beside an effect that takes its share.
+    const char* reason = "stands for whatever carries the body: a fitted value, no data sheet's";
+    return std::vector<NuisanceParameter>{{"plant.stiffness_N_per_m", true, 1.0, reason},
+                                          {"plant.damping_Ns_per_m", true, 1.0, reason}};
+  };
+  traits.bodies = [](const Plan& plan) {
+    const Value* body = plan.root.FindPath("plant.body");
+    return std::vector<Place>{{"inertia", body != nullptr && body->is_string() ? body->string() : "body", ""}};
+  };
+  traits.prescribed_motion = true;
+  return traits;
+}
+
 std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&, BuildContext& context) {
   std::unique_ptr<MovedBody> plant(new MovedBody);
   plant->stiffness_ = params.stiffness_N_per_m;

@@ -37,6 +37,7 @@ class MovedBody : public Component {
   };
 
   static PluginInfo Info();
+  static PlantTraits Traits();
   /// Null, with diagnostics, where a load is faulty.
   static std::unique_ptr<MovedBody> Create(const Params& params, const Value& table, BuildContext& context);
 

@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "plugins/plant/drive_line/drive_line.h"
+
+namespace dynoproof {
+namespace {
+
+// What a data sheet or a drawing of such parts is good for: masses and shaft geometry within a percent, dampings, which
+// nobody calculates, within ten.
+constexpr double kInertiaSpread = 0.01, kStiffnessSpread = 0.01, kDampingSpread = 0.1, kGapSpread = 0.005;
+// A record may start while the line turns or is wound up: these priors only keep the normal equations regular.
+constexpr double kStartSpeed_rad_per_s = 100.0, kStartTorque_Nm = 1000.0;
+
+std::vector<std::string> NamesIn(const Plan& plan, const char* section) {
+  const Value* table = plan.root.FindPath(section);
+  return table != nullptr ? KeysOf(*table) : std::vector<std::string>();
+}
+
+/// The number at a path that is there and not 0.
+std::optional<double> NumberAt(const Plan& plan, const std::string& path) {
+  const Value* value = plan.root.FindPath(path);
+  return value != nullptr && value->is_number() && value->number() != 0.0 ? std::optional(value->number())
+                                                                          : std::nullopt;
+}
+
+std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
+  const double torque = NumberAt(plan, "plant.nominal_torque_Nm").value_or(kStartTorque_Nm);
+  std::vector<NuisanceParameter> nuisances = {
+      {"plant.initial_speed_rad_per_s", false, kStartSpeed_rad_per_s, "a record may start while the line turns", true}};
+  for (const std::string& name : NamesIn(plan, "plant.inertia"))
+    nuisances.push_back({"plant.inertia." + name, true, kInertiaSpread, "a drawing's mass and geometry"});
+  for (const char* section : {"plant.rotor", "plant.shaft"}) {
+    for (const std::string& name : NamesIn(plan, section)) {
+      const std::string path = fmt::format("{}.{}.", section, name), damped = path + "damping_Nms_per_rad";
+      nuisances.push_back({path + "inertia_kg_m2", true, kInertiaSpread, "a drawing's mass and geometry"});
+      nuisances.push_back({path + "stiffness_Nm_per_rad", true, kStiffnessSpread, "a drawing's geometry"});
+      nuisances.push_back({damped, true, kDampingSpread, "nobody calculates dampings"});
+      nuisances.push_back({path + "half_gap_rad", true, kGapSpread, "a gap that was measured"});
+      const std::optional<double> stiffness = NumberAt(plan, path + "stiffness_Nm_per_rad");
+      if (!stiffness) continue;
+      const Value* damping = plan.root.FindPath(damped);
+      // The spread: a thousandth of the critical damping 2 sqrt(k J) for J = 0.1 kg m^2 behind the shaft.
+      if (damping != nullptr && damping->is_number() && damping->number() == 0.0) {
+        nuisances.push_back({damped, false, 0.002 * std::sqrt(0.1 * *stiffness),
+                             "a nominal 0 is a simplification, which another structure may not inherit", false, true});
+      }
+      if (std::string_view(section) == "plant.shaft")
+        nuisances.push_back({path + "initial_twist_rad", false, torque / *stiffness,
+                             "a record may start while the line is wound up", true});
+    }
+  }
+  return nuisances;
+}
+
+std::vector<Place> Bodies(const Plan& plan) {
+  std::vector<Place> places;
+  for (const char* kind : {"inertia", "rotor"}) {
+    const Value* table = plan.root.FindPath(std::string("plant.") + kind);
+    for (const std::string& name : table != nullptr ? KeysOf(*table) : std::vector<std::string>())
+      places.push_back({kind, name, ""});
+  }
+  return places;
+}
+
+}  // namespace
+
+PlantTraits DriveLine::Traits() {
+  PlantTraits traits;
+  traits.nuisances = Nuisances;
+  traits.drive_line = true;
+  traits.bodies = Bodies;
+  return traits;
+}
+
+}  // namespace dynoproof
