@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What a change must pass before it is looked at: layers, format of the sources, shell scripts.
+# What a change must pass before it is looked at: layers, names, format of the sources, shell scripts.
 # ci/presubmit.sh [--all]; --all runs clang-tidy over the whole engine as well (nightly). Under CI a missing tool fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,6 +12,7 @@ have() {
 }
 
 ./ci/check_layers.py
+./ci/check_names.py
 if have clang-format "format"; then
   git ls-files '*.cc' '*.h' | xargs clang-format --dry-run -Werror
 fi

@@ -18,7 +18,8 @@ class Presubmit(unittest.TestCase):
         self.tree = self.folder / "tree"
         (self.tree / "ci").mkdir(parents=True)
         shutil.copy(ROOT / "ci/presubmit.sh", self.tree / "ci")
-        self.write("ci/check_layers.py", "#!/bin/sh\n:\n")
+        for check in ("layers", "names"):
+            self.write(f"ci/check_{check}.py", "#!/bin/sh\n:\n")
         self.write("ci/sound.sh", "#!/usr/bin/env bash\necho sound\n")
         self.write("a.h", "int a();\n")
         self.tools = self.folder / "tools"  # the only folder of the PATH
