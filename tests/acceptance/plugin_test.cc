@@ -1,12 +1,15 @@
 // An installation, moved away from where it was made: the program with its own data, and plugins of somebody else, the
-// templates of `dynoproof new` built against the installed headers, loaded, run; and libraries that must not be loaded.
+// templates of `dynoproof new` built against the installed headers, loaded, run, and a plant with effects, diagnosed;
+// and libraries that must not be loaded.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <memory>
 
+#include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
+#include "trace/csv.h"
 
 namespace dynoproof::test {
 namespace {
@@ -74,6 +77,54 @@ TEST_F(Plugins, EffectOfTheTemplateDoesWhatItSays) {
   EXPECT_EQ(bench_->Call({"run", "mass.toml", "--plugin", kEffect}).exit, 0);
   EXPECT_EQ(bench_->Call({"run", "mass.toml", "--plugin", kEffect, "--set", "effect.0.parameters.I_extra=1e3"}).exit,
             2);
+}
+
+/// A plant and effects that were built out of the tree.
+class Diagnosed : public Plugins {
+ protected:
+  static void SetUpTestSuite() {
+    Plugins::SetUpTestSuite();
+    const fs::path sources = fs::current_path() / "tests/acceptance/heated_block";
+    Shell("cmake -S '" + sources.string() +
+          "' -B block -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS='" DYNOPROOF_PLUGIN_FLAGS "' -DCMAKE_PREFIX_PATH='" +
+          (*bench_ / "prefix").string() + "' && cmake --build block");
+    fs::copy_file(sources / "block.toml", *bench_ / "block.toml", fs::copy_options::skip_existing);
+  }
+  /// The effect found in a record of the block with this effect hidden in it, with 1 % of noise.
+  static nlohmann::json Found(const std::string& hidden) {
+    bench_->Write("hidden.toml", "include = [\"block.toml\"]\n[[effect]]\n" + hidden);
+    const std::vector<trace::Column> columns =
+        NoisyRecord(*bench_, {"hidden.toml", "--plugin", kBlock}, "out/hidden.h5", {"P"}, {"T"});
+    EXPECT_FALSE(trace::WriteCsv(*bench_ / "block.csv", columns));
+    const nlohmann::json result = bench_->Json({"diagnose", "block.toml", "--plugin", kBlock, "--data", "block.csv"});
+    EXPECT_EQ(result["verdict"], "effect_found") << result.dump(1);
+    return result["effects"].empty() ? nlohmann::json() : result["effects"][0];
+  }
+  static void ExpectAround(const nlohmann::json& parameter, double truth) {
+    EXPECT_LT(parameter["ci95"][0], truth) << parameter.dump();
+    EXPECT_GT(parameter["ci95"][1], truth) << parameter.dump();
+  }
+  static constexpr const char* kBlock = "block/heated_block.so";
+};
+
+TEST_F(Diagnosed, AnEffectOfAPluginInAPlantOfAPlugin) {
+  const nlohmann::json found = Found("name = \"radiation\"\nat = \"surface:block\"\nparameters = { A = 0.03 }\n");
+  EXPECT_EQ(found["name"], "radiation");
+  EXPECT_EQ(found["at"], "surface:block");
+  ExpectAround(found["parameters"]["A"], 0.03);
+}
+
+TEST_F(Diagnosed, AnEffectOfAPluginThatChangesWhatThePlantHoldsForDoubtful) {
+  const nlohmann::json found = Found("name = \"fouling\"\nat = \"surface:block\"\nparameters = { delta = -0.4 }\n");
+  EXPECT_EQ(found["name"], "fouling");
+  ExpectAround(found["parameters"]["delta"], -0.4);
+}
+
+TEST_F(Diagnosed, ABuiltInEffectInAPlantOfAPlugin) {
+  const nlohmann::json found = Found("name = \"sensor_lag\"\nat = \"output:T\"\nparameters = { tau = 0.5 }\n");
+  EXPECT_EQ(found["name"], "sensor_lag");
+  EXPECT_EQ(found["at"], "output:T");
+  ExpectAround(found["parameters"]["tau"], 0.5);
 }
 
 TEST_F(Plugins, AreFoundOnThePath) {
