@@ -279,5 +279,74 @@ TEST(Effects, MakePlansThatStillBuild) {
   });
 }
 
+TEST(Effects, DeclareTraitsThatTheirParametersBearOut) {
+  for (const Effect* effect : BuiltIns().Effects()) {
+    SCOPED_TRACE(effect->info().name);
+    const EffectTraits& traits = effect->info().traits;
+    const std::vector<EffectParameter>& parameters = effect->info().parameters;
+    if (traits.delay || traits.lag) {
+      ASSERT_EQ(parameters.size(), 1U);
+      EXPECT_EQ(parameters[0].unit, "s");
+    }
+    if (traits.play) {
+      ASSERT_EQ(parameters.size(), 1U);
+      EXPECT_EQ(parameters[0].unit, "rad");
+    }
+    EXPECT_TRUE(!traits.harmonic || parameters.size() == 3U);
+    EXPECT_TRUE(!traits.speed_dependent || traits.dry_friction);
+    EXPECT_TRUE(traits.refines.empty() || BuiltIns().FindEffect(traits.refines) != nullptr) << traits.refines;
+    for (const std::vector<double>& start : effect->StartsFromBreakAway(10.0, 5.0)) {
+      EXPECT_TRUE(traits.dry_friction);
+      EXPECT_EQ(start.size(), parameters.size());
+      EXPECT_GE(effect->BreakAwayTorque(start), 4.0) << "about the torque that was asked for";
+      EXPECT_LE(effect->BreakAwayTorque(start), 14.0);
+    }
+  }
+}
+
+TEST(Effects, OfferStarts) {
+  Magnitudes magnitudes;
+  magnitudes.torque = 300.0;
+  ForEachUse([&](const Effect& effect, const Plan& plan, const Place& place) {
+    const Points starts = effect.Starts(plan, place, magnitudes);
+    EXPECT_FALSE(starts.empty());
+    for (const std::vector<double>& start : starts) {
+      EXPECT_EQ(start.size(), effect.info().parameters.size());
+      EXPECT_TRUE(std::all_of(start.begin(), start.end(), [](double value) { return std::isfinite(value); }));
+    }
+  });
+}
+
+TEST(Effects, ThatScaleAParameterChangeNothingElse) {
+  std::set<std::string> scaling;
+  ForEachUse([&](const Effect& effect, const Plan& plan, const Place& place) {
+    const std::string path = effect.ScaledParameter(place);
+    if (path.empty()) return;
+    scaling.insert(effect.info().name);
+    Plan changed = plan;
+    effect.Apply(changed, place, {0.25});
+    EXPECT_EQ(Differences(plan.root, changed.root), std::vector<std::string>{path});
+    EXPECT_DOUBLE_EQ(changed.root.FindPath(path)->number(), 1.25 * plan.root.FindPath(path)->number());
+  });
+  EXPECT_EQ(scaling, (std::set<std::string>{"damping_change", "gap_change", "inertia_change", "stiffness_change"}));
+}
+
+TEST(Plants, DeclareNuisanceParametersOfTheirPlans) {
+  for (const Plan& plan : SamplePlans()) {
+    const PlantTraits& plant = BuiltIns().PlantOf(plan);
+    ASSERT_TRUE(plant.nuisances);
+    int known = 0;
+    for (const NuisanceParameter& one : plant.nuisances(plan)) {
+      SCOPED_TRACE(one.path);
+      EXPECT_GT(one.spread, 0.0);
+      EXPECT_FALSE(one.reason.empty());
+      EXPECT_FALSE(one.relative && one.initial);
+      known += plan.root.FindPath(one.path) != nullptr ? 1 : 0;
+    }
+    EXPECT_GT(known, 0);
+    for (const MeasuredStart& start : plant.measured_starts) EXPECT_NE(plan.root.FindPath(start.path), nullptr);
+  }
+}
+
 }  // namespace
 }  // namespace dynoproof

@@ -1,4 +1,4 @@
-// Starts belong to effects that are known by name; what a plugin brings starts where it says itself.
+// Effects start where they say themselves, those of a plugin as well as those that are built in.
 #include "diagnosis/candidates.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ class ShaftLag : public Effect {
   void Apply(Plan&, const Place&, const std::vector<double>&) const override {}
 };
 
-TEST(CandidatesFor, APluginsEffectStartsWhereItSays) {
+TEST(CandidatesFor, AnEffectStartsWhereItSays) {
   Registry registry;
   RegisterBuiltIns(registry);
   registry.Add(std::make_unique<ShaftLag>());
