@@ -23,9 +23,11 @@
 // Probing (Appendix E), off by default: instead of being placed, a frequency that passes all rules is given to a spare
 // filter whose pole radius shrinks from 1 by gamma at each block. The frequency of an oscillation of the loop must move
 // with it (the phase at that frequency changed); a load's does not.
-//   PROBE    after each block: the line has vanished, or left f_x for good -> the filter stays: kPlaced
-//            it moved by at least probe_shift since the radius last changed -> smaller radius, down to `radius`:
-//            kPlaced it did not, `probe_patience` blocks long                       -> radius back to 1 (E.1): kRefused
+//   PROBE    after each block:
+//            the line has vanished, or left f_x for good  -> the filter stays: kPlaced
+//            it moved by at least probe_shift since the
+//            radius last changed                          -> smaller radius, down to `radius`: kPlaced
+//            it did not, `probe_patience` blocks long     -> radius back to 1 (E.1): kRefused
 // The reaction is not one new frequency: a filter that hits the oscillation splits its mode into two beside it (at 832
 // Hz and r = 0.9995 into 829.3 and 834.2 Hz, both growing more slowly), and the estimate wavers with their beat by some
 // tenths of a hertz. A load's tone keeps its frequency to some hundredths. Hence 0.1 Hz.

@@ -11,7 +11,7 @@ constexpr std::size_t kPolished = 5;  // hypotheses that are fitted with the noi
 constexpr std::size_t kWarmed = 3;    // and those that start anew from the shortest part
 constexpr double kContender = 0.25;   // of the nominal model's excess of chi2: half of the way in RMS is still to go
 constexpr int kLaps = 5;              // of the race to the end
-constexpr double kStride = 0.1;       // of the gap to the best: less in a lap, and a rival is out
+constexpr double kProgress = 0.1;     // of the gap to the best: less in a lap, and a rival is out
 constexpr double kStrained = 2.5;     // spreads: of a dozen nominal values one lies that far off by chance in six cases
 constexpr std::size_t kRegrown = 4;   // causes that begin anew on parts that grow
 constexpr double kBeaten = 2.0;       // times the best one's chi2 beside the same doubts: no rival any more
@@ -155,7 +155,7 @@ void Contest::Race(std::vector<Fit>& fits, const Fit& null) {
       // Where the leader is at the noise with strained values only, somebody else may be there without.
       if (lap == 0 && k > 0 && AtFloor(fits.front()) && !Accounts(fits.front()))
         KeepBetter(fits[k], Grown(fits[k], fitter));
-      if (fits[k].settled || before - fits[k].chi2 < kStride * std::max(gap, 1.0)) out.insert(fits[k].Name());
+      if (fits[k].settled || before - fits[k].chi2 < kProgress * std::max(gap, 1.0)) out.insert(fits[k].Name());
       return true;
     });
     // Nothing is left to gain: who does as well beside the same doubts is asked next.
@@ -313,10 +313,10 @@ Fit Contest::Warm(const Fit& cold, const Fitter& last) {
 }
 
 Fit Contest::Grown(const Fit& cold, const Fitter& last) {
-  constexpr double kFirst = 1.0 / 27.0, kStride = 1.5;
+  constexpr double kFirst = 1.0 / 27.0, kGrowth = 1.5;
   Hypothesis at = cold.hypothesis;
   at.z = study_.Nominal().z;
-  for (double share = kFirst; share < 1.0; share *= kStride) {
+  for (double share = kFirst; share < 1.0; share *= kGrowth) {
     const Study part = study_.Part(share);
     Fit fit = FitAt(part, std::move(at));
     if (!fit.ok()) return cold;

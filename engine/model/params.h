@@ -2,8 +2,8 @@
 //
 //   struct Params {
 //     double stiffness_Nm_per_rad = 0.0;
-//     void Visit(auto& v) { v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, Positive{}, "shaft stiffness k");
-//     } void Check(Faults& faults) const;  // optional: rules between parameters
+//     void Visit(auto& v) { v.Required("stiffness_Nm_per_rad", stiffness_Nm_per_rad, Positive(), "stiffness k"); }
+//     void Check(Faults& faults) const;  // optional: rules between parameters
 //   };
 //
 // and the visitors of this file do the rest. Units come from the key's suffix (base/units.h) or from the range.

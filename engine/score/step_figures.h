@@ -3,11 +3,10 @@
 // The rule against noise, used throughout:
 //  - Levels are medians: the start over the samples before the step, the end over the last `final_part` of the record.
 //  - sigma, the noise, is 1.4826 times the median absolute difference of neighbouring samples in that last part, over
-//  sqrt 2.
+//    sqrt 2.
 //  - If sigma exceeds 0.1 % of the step, all times and extremes are read off the running median of five samples, and
-//  every
-//    excursion (over- and undershoot, distance from the steady value) is reduced by 1.6 sigma: three times what that
-//    median leaves of normal noise.
+//    every excursion (over- and undershoot, distance from the steady value) is reduced by 1.6 sigma: three times what
+//    that median leaves of normal noise.
 //  - A step smaller than 6 sigma is no step.
 #pragma once
 

@@ -1,4 +1,6 @@
 // Evaluation of blocks one after the other; shared by both solvers.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -116,7 +118,9 @@ void StartBlocks(const Rig& rig, Frame& frame) {
 }
 
 Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Rig& rig) {
-  return name == "reference" ? MakeReferenceSolver(rig) : MakeRealtimeSolver(rig);
+  if (name == "reference") return MakeReferenceSolver(rig);
+  if (name == "realtime") return MakeRealtimeSolver(rig);
+  return Failure{fmt::format("there is no solver \"{}\"; known: realtime, reference", name)};
 }
 
 }  // namespace dynoproof

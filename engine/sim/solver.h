@@ -41,7 +41,7 @@ Result<std::unique_ptr<Solver>> MakeReferenceSolver(const Rig& rig);
 /// Fixed work per period: exact modal propagation of the linear part, substeps for the rest.
 /// `known`: where the decomposition of its linear part may be known already.
 Result<std::unique_ptr<Solver>> MakeRealtimeSolver(const Rig& rig, mechanics::Decompositions* known = nullptr);
-/// The one of that name: "reference" or "realtime".
+/// The one of that name: "reference" or "realtime"; any other name is a failure.
 Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Rig& rig);
 
 /// Writes the outputs of all blocks, in order, from `states`; used by `reference` and by tests.

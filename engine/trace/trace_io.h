@@ -3,8 +3,8 @@
 //   /time            float64 [n]        seconds
 //   /time_<k>        float64 [n_k]      seconds, k = 1, 2, ...: the time bases of signals of another rate
 //   /signals/<name>  float64 [n or n_k] attributes unit, description (text), nominal (float64), interpolation
-//   ("linear",
-//                                       "hold"); `time` = "/time_<k>" for a signal of another rate, absent otherwise
+//                                       ("linear", "hold"); `time` = "/time_<k>" for a signal of another rate, absent
+//                                       otherwise
 //   /scenario        text               the resolved TOML
 //   /provenance      group              its attributes: texts and integers (int64)
 //
