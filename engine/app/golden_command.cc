@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/extension.h"
+#include "base/process.h"
 #include "base/text.h"
 #include "experiment/build_info.h"
 #include "experiment/golden.h"
@@ -52,14 +53,11 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
   return exit;
 }
 
-/// The standard output of a command, or nothing when it failed.
-std::optional<std::string> OutputOf(const std::string& command) {
-  std::FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return std::nullopt;
-  std::string text;
-  char buffer[256];
-  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
-  return pclose(pipe) == 0 ? std::optional(text) : std::nullopt;
+/// The standard output of a git command in a folder, or nothing when it failed.
+std::optional<std::string> Git(const std::string& folder, std::vector<std::string> words) {
+  words.insert(words.begin(), {"git", "-C", folder});
+  ProgramEnd end = RunProgram(std::move(words), ErrorLines::kDropped);
+  return end.exit == 0 ? std::optional(std::move(end.out)) : std::nullopt;
 }
 
 /// Why a run of this program must not become golden in the repository of `tree`. Only its own repository knows the
@@ -67,11 +65,10 @@ std::optional<std::string> OutputOf(const std::string& command) {
 /// names another program than the one that ran would be false.
 std::string FaultOfStamp(const std::string& tree) {
   const std::string stamp = build_info::Commit(), commit = stamp.substr(0, stamp.find('+'));
-  const std::string git = "git -C " + ShellQuoted(tree);
-  if (!OutputOf(git + " cat-file -e " + ShellQuoted(commit + "^{commit}") + " 2>/dev/null")) return "";
+  if (!Git(tree, {"cat-file", "-e", commit + "^{commit}"})) return "";
   if (commit != stamp)
     return fmt::format("this program was built from a changed tree ({}); commit, build again, then bless", stamp);
-  const std::string head = OutputOf(git + " rev-parse HEAD").value_or("");
+  const std::string head = Git(tree, {"rev-parse", "HEAD"}).value_or("");
   if (head.starts_with(commit)) return "";
   return fmt::format("this program was built from {}, the tree stands at {}; build again, then bless", commit,
                      head.substr(0, commit.size()));
@@ -94,7 +91,7 @@ Tree ProgramTree() {
   // Asked of the folder that holds golden/, which the first bless has yet to make.
   const std::string tree = (std::filesystem::absolute(GoldenFolder()) / "..").lexically_normal().string();
   const std::optional<std::string> changed =
-      OutputOf("git -C " + ShellQuoted(tree) + " status --porcelain --untracked-files=no -- . ':!golden' 2>/dev/null");
+      Git(tree, {"status", "--porcelain", "--untracked-files=no", "--", ".", ":!golden"});
   if (!changed) return {"cannot ask git whether the tree is clean", ""};
   if (!changed->empty()) return {"tracked files outside golden/ are changed; commit them first:\n" + *changed, ""};
   return {FaultOfStamp(tree), ""};
@@ -111,16 +108,14 @@ Tree UserTree(const std::string& file) {
   if (!fs::exists(top / ".git", error)) {
     return {"", fmt::format("no git repository holds {}: nothing tracks what its golden data were made from", file)};
   }
-  const std::string git = "git -C " + ShellQuoted(folder.string());
   const std::optional<std::string> changed =
-      OutputOf(git +
-               " status --porcelain --untracked-files=no -- ':(top)' ':(top,exclude,glob)**/*.golden.h5'"
-               " ':(top,exclude,glob)**/*.golden.toml'");
+      Git(folder.string(), {"status", "--porcelain", "--untracked-files=no", "--", ":(top)",
+                            ":(top,exclude,glob)**/*.golden.h5", ":(top,exclude,glob)**/*.golden.toml"});
   if (!changed) return {fmt::format("cannot ask git whether the repository in {} is clean", top.string()), ""};
   if (!changed->empty())
     return {"tracked files of the scenario's repository are changed; commit them first:\n" + *changed, ""};
   const std::optional<std::string> tracked =
-      OutputOf(git + " ls-files -- " + ShellQuoted(fs::path(file).filename().string()));
+      Git(folder.string(), {"ls-files", "--", fs::path(file).filename().string()});
   if (tracked && tracked->empty()) return {"", fmt::format("git does not track {} yet: commit it as well", file)};
   return {};
 }

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
-#include <thread>
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "base/parallel.h"
 #include "base/text.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
@@ -68,46 +68,40 @@ std::string WhatIsDone(const std::vector<std::unique_ptr<Prepared>>& scenarios,
 std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>& scenarios,
                                    const RunArguments& arguments, const MappedRecord* data, reports::RunPage& page) {
   std::vector<std::optional<ScenarioResult>> results(scenarios.size());
-  std::atomic<std::size_t> next = 0, done = 0;
+  std::atomic<std::size_t> done = 0;
   std::mutex screen;
   const Interruption interruption(arguments.common, [&] {
     const std::lock_guard<std::mutex> lock(screen);
     return WhatIsDone(scenarios, results, arguments);
   });
-  const auto work = [&] {
-    for (std::size_t i = next++; i < scenarios.size(); i = next++) {
-      RunOptions options;
-      options.out = arguments.out;
-      options.data = data;
-      options.today = arguments.today;
-      options.progress = [&, i](double fraction) {
-        const std::lock_guard<std::mutex> lock(screen);
-        ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
-                     fraction);
-        return true;
-      };
-      if (!arguments.html.empty()) {
-        options.seen = [&, i](const Course& course, CheckContext& context, const ScenarioResult& result) {
-          page.Add(*scenarios[i], course, context, result);
-        };
-      }
-      ScenarioResult result;
-      try {
-        result = RunScenario(*scenarios[i], options);
-      } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
-        result.id = scenarios[i]->plan.id;
-        result.verdict = score::Verdict::kBroken;
-        result.broken = error.what();
-      }
+  ParallelFor(scenarios.size(), static_cast<unsigned>(arguments.jobs), [&](std::size_t i) {
+    RunOptions options;
+    options.out = arguments.out;
+    options.data = data;
+    options.today = arguments.today;
+    options.progress = [&, i](double fraction) {
       const std::lock_guard<std::mutex> lock(screen);
-      results[i] = std::move(result);
-      ++done;
+      ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
+                   fraction);
+      return true;
+    };
+    if (!arguments.html.empty()) {
+      options.seen = [&, i](const Course& course, CheckContext& context, const ScenarioResult& result) {
+        page.Add(*scenarios[i], course, context, result);
+      };
     }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < arguments.jobs; ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+    ScenarioResult result;
+    try {
+      result = RunScenario(*scenarios[i], options);
+    } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
+      result.id = scenarios[i]->plan.id;
+      result.verdict = score::Verdict::kBroken;
+      result.broken = error.what();
+    }
+    const std::lock_guard<std::mutex> lock(screen);
+    results[i] = std::move(result);
+    ++done;
+  });
   ClearProgress();
   std::vector<ScenarioResult> all;
   for (std::optional<ScenarioResult>& result : results) all.push_back(*std::move(result));

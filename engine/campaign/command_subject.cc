@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "campaign/process.h"
+#include "base/process.h"
 
 namespace dynoproof::campaign {
 namespace {
@@ -27,7 +27,7 @@ class CommandSubject : public Subject {
       const std::string folder = FolderOf(run);
       fs::create_directories(folder, error);
       if (error) return Failure{error.message(), folder};
-      done(RowOf(run, Ask(Words(run))));
+      done(RowOf(run, RunProgram(Words(run))));
       fs::remove(folder, error);  // if it is empty
     }
     return {};
@@ -84,7 +84,7 @@ class CommandSubject : public Subject {
     return found;
   }
 
-  Row RowOf(std::int64_t run, const Answer& answer) const {
+  Row RowOf(std::int64_t run, const ProgramEnd& answer) const {
     Row row;
     row.run = run;
     row.figures.assign(specs_.size(), std::numeric_limits<double>::quiet_NaN());

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "base/atomic_file.h"
+#include "base/process.h"
 #include "base/text.h"
-#include "campaign/process.h"
 
 namespace dynoproof::campaign {
 namespace {
@@ -24,12 +24,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::int64_t kMostTasks = 1000;  // of an array
 constexpr int kMostBarren = 3;             // submissions in a row that bring no row
 constexpr auto kPoll = std::chrono::milliseconds(500);
-
-std::string ShellQuoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 /// The end of the newest log, for messages.
 std::string LastWords(const fs::path& logs) {
@@ -53,7 +47,7 @@ class Cluster {
 
   Status Run(std::vector<Range> pieces) {
     const Status failed = Watch(std::move(pieces));
-    for (const std::string& job : jobs_) Ask({"scancel", "--quiet", job});
+    for (const std::string& job : jobs_) RunProgram({"scancel", "--quiet", job});
     return failed;
   }
 
@@ -124,7 +118,7 @@ class Cluster {
                                         "--cpus-per-task=1"};
       if (!campaign_.slurm.partition.empty()) words.push_back("--partition=" + campaign_.slurm.partition);
       words.push_back("--wrap=" + line);
-      const Answer answer = Ask(words);
+      const ProgramEnd answer = RunProgram(words);
       const std::string job = answer.out.substr(0, answer.out.find_first_not_of("0123456789"));
       if (answer.exit != 0 || job.empty()) return Failure{"sbatch refused the tasks: " + answer.out, "slurm"};
       jobs_.push_back(job);
@@ -135,8 +129,8 @@ class Cluster {
 
   /// Tasks of ours that the queue still has. `sbatch --wait` and exit codes are no verdict; rows are.
   int InQueue() {
-    const Answer answer =
-        Ask({"squeue", "--noheader", "--array", "--format=%i %T %r", fmt::format("--jobs={}", fmt::join(jobs_, ","))});
+    const ProgramEnd answer = RunProgram(
+        {"squeue", "--noheader", "--array", "--format=%i %T %r", fmt::format("--jobs={}", fmt::join(jobs_, ","))});
     if (answer.exit != 0) {
       if (answer.out.find("Invalid job id") != std::string::npos) return 0;  // all forgotten: all ended
       return std::max(1, tally_.running + tally_.pending);  // the controller is away: the deadline is the judge
@@ -155,7 +149,7 @@ class Cluster {
       if (reason.find("held") != std::string::npos) held.insert(id);
     }
     // A node that failed to start a task leaves it held; it may run elsewhere.
-    for (const std::string& id : held) Ask({"scontrol", "release", id});
+    for (const std::string& id : held) RunProgram({"scontrol", "release", id});
     return tally_.running + tally_.pending;
   }
 

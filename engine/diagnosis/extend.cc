@@ -17,12 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// TOML wants a point or an exponent in a float.
-std::string Number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".eE") == std::string::npos) text += ".0";
-  return text;
-}
+std::string Number(double value) { return InlineToml(value); }
 
 std::string IncludeOf(const DiagnoseOptions& options) {
   const fs::path file = fs::weakly_canonical(options.scenario_file), out = fs::weakly_canonical(options.out);
@@ -61,11 +56,9 @@ Result<std::string> Write(const DiagnoseOptions& options, const char* name, cons
   return file.generic_string();
 }
 
-/// The value of --set as TOML: what is no number, truth value, array or table is a text.
+/// The value of --set as TOML; arrays and tables as they were written.
 std::string AsToml(const Value& value, const std::string& written) {
-  if (value.is_integer()) return fmt::format("{}", value.integer());
-  if (value.is_number()) return Number(value.number());
-  return value.is_string() ? fmt::format("\"{}\"", value.string()) : written;
+  return value.is_array() || value.is_table() ? written : InlineToml(value);
 }
 
 // Of the realtime solver with a nonlinear law: 1e-4 is seen for a cubic spring in substeps.

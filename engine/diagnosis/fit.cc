@@ -6,8 +6,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "base/parallel.h"
 #include "diagnosis/coordinates.h"
-#include "diagnosis/parallel.h"
 #include "diagnosis/slope.h"
 
 namespace dynoproof::diagnosis {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/parallel.h"
 #include "diagnosis/noise.h"
-#include "diagnosis/parallel.h"
 
 namespace dynoproof::diagnosis {
 namespace {

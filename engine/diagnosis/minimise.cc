@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "base/random.h"
-#include "diagnosis/parallel.h"
 
 namespace dynoproof::diagnosis {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "base/parallel.h"
 #include "diagnosis/coordinates.h"
 #include "diagnosis/fit.h"
-#include "diagnosis/parallel.h"
 #include "diagnosis/slope.h"
 
 namespace dynoproof::diagnosis {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include "base/parallel.h"
 #include "diagnosis/noise.h"
-#include "diagnosis/parallel.h"
 #include "score/nrmse.h"
 
 namespace dynoproof::diagnosis {

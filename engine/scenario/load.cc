@@ -261,23 +261,27 @@ std::string Quoted(const std::string& text) {
 
 std::string Key(const std::string& key) { return BareKey(key) ? key : Quoted(key); }
 
-std::string Inline(const Value& value) {
+}  // namespace
+
+std::string InlineToml(const Value& value) {
   if (value.is_string()) return Quoted(value.string());
   if (value.is_bool()) return value.boolean() ? "true" : "false";
   if (value.is_integer()) return fmt::format("{}", value.integer());
   if (value.is_array() || value.is_table()) {
     std::vector<std::string> items;
     if (value.is_array()) {
-      for (const Value& item : value.array()) items.push_back(Inline(item));
+      for (const Value& item : value.array()) items.push_back(InlineToml(item));
       return fmt::format("[{}]", fmt::join(items, ", "));
     }
-    for (const Value::Entry& entry : value.table()) items.push_back(Key(entry.key) + " = " + Inline(entry.value));
+    for (const Value::Entry& entry : value.table()) items.push_back(Key(entry.key) + " = " + InlineToml(entry.value));
     return fmt::format("{{ {} }}", fmt::join(items, ", "));
   }
   std::string number = fmt::format("{}", value.number());  // the shortest text that reads back the same
   if (number.find_first_of(".en") == std::string::npos) number += ".0";
   return number;
 }
+
+namespace {
 
 bool TableArray(const Value& value) {
   return value.is_array() && !value.array().empty() &&
@@ -287,7 +291,7 @@ bool TableArray(const Value& value) {
 void WriteTable(const Value& table, const std::string& path, int depth, std::string& out) {
   for (const Value::Entry& entry : table.table()) {
     const bool section = (entry.value.is_table() && depth < 2) || (depth == 0 && TableArray(entry.value));
-    if (!section) out += Key(entry.key) + " = " + Inline(entry.value) + "\n";
+    if (!section) out += Key(entry.key) + " = " + InlineToml(entry.value) + "\n";
   }
   for (const Value::Entry& entry : table.table()) {
     const std::string name = path.empty() ? Key(entry.key) : path + "." + Key(entry.key);

@@ -18,6 +18,9 @@ std::optional<Plan> LoadPlan(const std::string& file, const std::vector<std::str
 
 /// The plan as TOML: what is stored with a trace. Reading it back gives an equal tree.
 std::string ToToml(const Value& root);
+/// One value as it stands behind a key: floats with a point or an exponent, by the shortest text that reads back the
+/// same; texts in quotes, tables in braces.
+std::string InlineToml(const Value& value);
 
 /// Parses one TOML value ("3.5", "[1, 2]", "true", "{ a = 1 }"); text that is none of these becomes a string.
 Value ParseTomlValue(const std::string& text);

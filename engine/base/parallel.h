@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace dynoproof::diagnosis {
+namespace dynoproof {
 
 /// Calls work(i) for 0 <= i < count, on at most `threads` threads (0: one a core). `work` must not throw.
 template <class Work>
@@ -23,4 +23,4 @@ void ParallelFor(std::size_t count, unsigned threads, const Work& work) {
   for (std::thread& helper : helpers) helper.join();
 }
 
-}  // namespace dynoproof::diagnosis
+}  // namespace dynoproof

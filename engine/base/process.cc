@@ -1,4 +1,4 @@
-#include "campaign/process.h"
+#include "base/process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,17 +11,21 @@
 
 extern char** environ;
 
-namespace dynoproof::campaign {
+namespace dynoproof {
 
-Answer Ask(std::vector<std::string> words) {
-  Answer answer;
+ProgramEnd RunProgram(std::vector<std::string> words, ErrorLines errors) {
+  ProgramEnd end;
   int ends[2];
-  if (pipe(ends) != 0) return answer;
+  if (pipe(ends) != 0) return end;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  if (errors == ErrorLines::kKept) {
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  }
   posix_spawn_file_actions_addclose(&actions, ends[0]);
   posix_spawn_file_actions_addclose(&actions, ends[1]);
   std::vector<char*> arguments;
@@ -33,19 +37,19 @@ Answer Ask(std::vector<std::string> words) {
   close(ends[1]);
   if (failed != 0) {
     close(ends[0]);
-    answer.out = fmt::format("{}: {}", words[0], std::strerror(failed));
-    return answer;
+    end.out = fmt::format("{}: {}", words[0], std::strerror(failed));
+    return end;
   }
   char buffer[4096];
   for (ssize_t count; (count = read(ends[0], buffer, sizeof buffer)) > 0 || (count < 0 && errno == EINTR);) {
-    if (count > 0) answer.out.append(buffer, static_cast<std::size_t>(count));
+    if (count > 0) end.out.append(buffer, static_cast<std::size_t>(count));
   }
   close(ends[0]);
   int state = 0;
   while (waitpid(process, &state, 0) < 0 && errno == EINTR) {
   }
-  answer.exit = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
-  return answer;
+  end.exit = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+  return end;
 }
 
-}  // namespace dynoproof::campaign
+}  // namespace dynoproof
