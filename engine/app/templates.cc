@@ -112,6 +112,7 @@ class @CLASS@ : public dynoproof::Law {
   explicit @CLASS@(const Params& params) : p_(params) {}
 
   // What modes and zeros see: the law linearised about rest. linear() stays zero: `realtime` takes the torque as it is.
+  // A law that is spring and damper and nothing else says so by linear() and is_linear(), and is then carried exactly.
   dynoproof::SpringDamper linearised() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
   double Torque(const dynoproof::LawView& view) const override {
     return p_.limit_Nm * std::tanh(p_.stiffness_Nm_per_rad * view.twist / p_.limit_Nm) +

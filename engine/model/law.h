@@ -39,6 +39,11 @@ class Law {
   virtual void Guards(const LawView&, std::span<double> /*values*/) const {}
   virtual void OnEvent(const LawView&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 
+  /// True for a law that is linear for good: Torque() and Derivative() are sums of constant multiples of twist, rate
+  /// and own states, at any size and time; without states Torque() is linear() and nothing else; no modes, no guards.
+  /// A drive line takes such a law into its linear part, which is carried exactly, and asks it nothing during a run. A
+  /// law that does not say so is carried as a nonlinear one: as right, but slower.
+  virtual bool is_linear() const { return false; }
   /// True for a law whose torque never changes: to a solver it is an input that is held.
   virtual bool constant() const { return false; }
 

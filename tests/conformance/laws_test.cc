@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "base/random.h"
 #include "base/units.h"
 #include "tests/support/build.h"
+#include "tests/support/law_linearity.h"
 #include "tests/support/readme_examples.h"
 
 namespace dynoproof {
@@ -196,6 +198,67 @@ TEST(Laws, LinearPartIsTheSlopeOfTheTorque) {
     EXPECT_NEAR(k, linear.stiffness, 1e-9 * linear.stiffness);
     EXPECT_NEAR(c, linear.damping, 1e-9 * linear.damping);
   });
+}
+
+TEST(Laws, DeclareThatTheyAreLinear) {
+  // Too much would give wrong results, too little slow ones.
+  ForEachLaw([](const std::string&, const Law& law) {
+    const std::string bend = testing::WhereItBends(law);
+    EXPECT_EQ(law.is_linear(), bend.empty()) << bend;
+  });
+}
+
+TEST(Laws, WithoutTheirNonlinearPartAreLinear) {
+  const std::vector<Value> tables = {
+      Value{{"law", "cubic_spring"}, {"stiffness_Nm_per_rad", 2e5}, {"k3_Nm_per_rad3", 0.0}},
+      Value{{"law", "warming_spring"}, {"stiffness_Nm_per_rad", 2e5}, {"loss", 0.0}, {"loss_time_s", 3.0}},
+      Value{{"law", "kelvin_voigt"}, {"stiffness_Nm_per_rad", 2e5}, {"damping_Nms_per_rad", 6.0}, {"drift", 0.0}},
+      Value{{"law", "quadratic_drag"}, {"b2_Nms2_per_rad2", 0.0}},
+      Value{{"law", "constant"}, {"T_0_Nm", 0.0}},
+      Value{{"law", "ripple"}, {"A_Nm", 0.0}, {"n", 6.0}},
+  };
+  for (const Value& table : tables) {
+    SCOPED_TRACE(table.Find("law")->string());
+    std::string faults;
+    const std::unique_ptr<Law> law = BuildLaw(table, &faults);
+    ASSERT_NE(law, nullptr) << faults;
+    EXPECT_TRUE(law->is_linear());
+    EXPECT_EQ(testing::WhereItBends(*law), "");
+  }
+}
+
+/// Says that it is linear and bends somewhere.
+class Bent : public Law {
+ public:
+  enum class Where { kBeyondTwist, kBelowTwist, kBeyondRate, kBelowRate, kLater, kBeyondState };
+  explicit Bent(Where where) : where_(where) {
+    if (where == Where::kBeyondState) layout_.states = {{"z", "Pa", "pressure", 1e5}};
+  }
+  SpringDamper linear() const override { return {2e5, 6.0}; }
+  bool is_linear() const override { return true; }
+  double Torque(const LawView& view) const override {
+    double d = view.twist, w = view.rate, z = view.states.empty() ? 0.0 : view.states[0];
+    if (where_ == Where::kBeyondTwist) d = std::clamp(d, -30.0, 30.0);
+    if (where_ == Where::kBelowTwist && std::abs(d) < 1e-6) d = 0.0;
+    if (where_ == Where::kBeyondRate) w = std::clamp(w, -3e3, 3e3);
+    if (where_ == Where::kBelowRate && std::abs(w) < 1e-7) w = 0.0;
+    if (where_ == Where::kLater && view.time_s > 3e3) w = 0.9 * w;
+    return 2e5 * d + 6.0 * w + 1e-3 * std::min(z, 3e9);
+  }
+  void Derivative(const LawView& view, std::span<double> rates) const override {
+    if (!rates.empty()) rates[0] = view.rate - 10.0 * view.states[0];
+  }
+
+ private:
+  Where where_;
+};
+
+TEST(Laws, ThatBendAnywhereAreFound) {
+  using Where = Bent::Where;
+  for (const Where where : {Where::kBeyondTwist, Where::kBelowTwist, Where::kBeyondRate, Where::kBelowRate,
+                            Where::kLater, Where::kBeyondState}) {
+    EXPECT_NE(testing::WhereItBends(Bent(where)), "") << static_cast<int>(where);
+  }
 }
 
 TEST(Laws, GuardsAndTorqueAreContinuousWithinAMode) {

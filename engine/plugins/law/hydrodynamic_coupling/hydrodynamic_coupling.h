@@ -23,6 +23,7 @@ class KelvinVoigt : public Law {
   explicit KelvinVoigt(const Params& params) : p_(params) {}
 
   SpringDamper linear() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
+  bool is_linear() const override { return p_.drift == 0.0; }
   double Torque(const LawView& view) const override;
 
  private:
@@ -48,6 +49,7 @@ class OilCoupling : public Law {
 
   SpringDamper linear() const override { return {m_.k_s, 0.0}; }
   SpringDamper linearised() const override { return {m_.k_s, m_.At(0.0).damping}; }
+  bool is_linear() const override { return true; }
   double Torque(const LawView& view) const override { return m_.k_s * view.twist + m_.k_p * view.states[0]; }
   void Derivative(const LawView& view, std::span<double> rates) const override {
     rates[0] = m_.kappa_w * view.rate - m_.kappa_p * view.states[0];

@@ -16,6 +16,7 @@ class Viscous : public Law {
   static PluginInfo Info();
   explicit Viscous(const Params& params) : b_(params.b_Nms_per_rad) {}
   SpringDamper linear() const override { return {0.0, b_}; }
+  bool is_linear() const override { return true; }
   double Torque(const LawView& view) const override { return b_ * view.rate; }
 
  private:
@@ -31,6 +32,7 @@ class QuadraticDrag : public Law {
   };
   static PluginInfo Info();
   explicit QuadraticDrag(const Params& params) : b2_(params.b2_Nms2_per_rad2) {}
+  bool is_linear() const override { return b2_ == 0.0; }
   double Torque(const LawView& view) const override;
 
  private:
@@ -47,6 +49,7 @@ class ConstantLoad : public Law {
   static PluginInfo Info();
   explicit ConstantLoad(const Params& params) : T_0_(params.T_0_Nm) {}
   double Torque(const LawView&) const override { return T_0_; }
+  bool is_linear() const override { return T_0_ == 0.0; }
   bool constant() const override { return true; }
 
  private:
@@ -67,6 +70,7 @@ class Ripple : public Law {
   static PluginInfo Info();
   explicit Ripple(const Params& params) : p_(params) {}
   /// The torque is a spring for small angles, but linear analysis looks at a turning machine: nothing is linearised.
+  bool is_linear() const override { return p_.A_Nm == 0.0; }
   double Torque(const LawView& view) const override;
 
  private:

@@ -22,6 +22,7 @@ class SpringDamperLaw : public Law {
   explicit SpringDamperLaw(const Params& params) : k_(params.stiffness_Nm_per_rad), c_(params.damping_Nms_per_rad) {}
 
   SpringDamper linear() const override { return {k_, c_}; }
+  bool is_linear() const override { return true; }
   double Torque(const LawView& view) const override { return k_ * view.twist + c_ * view.rate; }
 
  private:
@@ -44,6 +45,7 @@ class CubicSpring : public Law {
       : k_(params.stiffness_Nm_per_rad), c_(params.damping_Nms_per_rad), k3_(params.k3_Nm_per_rad3) {}
 
   SpringDamper linear() const override { return {k_, c_}; }
+  bool is_linear() const override { return k3_ == 0.0; }
   double Torque(const LawView& view) const override {
     return (k_ + k3_ * view.twist * view.twist) * view.twist + c_ * view.rate;
   }
@@ -68,6 +70,7 @@ class WarmingSpring : public Law {
   explicit WarmingSpring(const Params& params) : p_(params) {}
 
   SpringDamper linear() const override { return {p_.stiffness_Nm_per_rad, p_.damping_Nms_per_rad}; }
+  bool is_linear() const override { return p_.loss == 0.0; }
   double Torque(const LawView& view) const override {
     const double lost = -p_.loss * std::expm1(-view.time_s / p_.loss_time_s);
     return p_.stiffness_Nm_per_rad * (1.0 - lost) * view.twist + p_.damping_Nms_per_rad * view.rate;

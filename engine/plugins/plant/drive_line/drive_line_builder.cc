@@ -176,8 +176,8 @@ class DriveLineBuilder {
     initial_twists_.push_back({from, to, twist != nullptr ? twist->number() : 0.0, &table});
     const SpringDamper linear = law->linear();
     const int edge = AddEdge(name, from, to, linear, law->linearised(), 1.0);
-    named_edges_.push_back({name, {edge}, true, IsLinear(*law)});
-    if (!IsLinear(*law)) AddElement(name, std::move(law), linear, {{from, 1.0}, {to, -1.0}});
+    named_edges_.push_back({name, {edge}, true, IsSpringDamper(*law)});
+    if (!IsSpringDamper(*law)) AddElement(name, std::move(law), linear, {{from, 1.0}, {to, -1.0}});
   }
 
   void AddLoad(const std::string& name, const Value& table) {
@@ -197,7 +197,7 @@ class DriveLineBuilder {
     const Body* body = FindBody(on->string(), on->where());
     if (body == nullptr || law == nullptr) return;
     // On a rotor a linear law is spread over the slices; a nonlinear one acts on all of them by their mean speed.
-    const bool linear = IsLinear(*law);
+    const bool linear = IsSpringDamper(*law);
     const double share = 1.0 / body->count;
     const SpringDamper taken = linear || body->count == 1 ? law->linear() : SpringDamper{};
     NamedEdges named{name, {}, false, linear};
@@ -210,62 +210,29 @@ class DriveLineBuilder {
     if (!linear) AddElement(name, std::move(law), taken, std::move(weights));
   }
 
-  static bool IsLinear(const Law& law) {
-    if (!law.layout().states.empty() || law.layout().modes > 0) return false;
-    // Three points off the axes tell a linear law (no offset) from any other in use.
-    const SpringDamper linear = law.linear();
-    for (const auto& [twist, rate, time] : {std::tuple{0.7, 1.3, 0.0}, {-1.9, 0.4, 5.0}, {0.02, -2.3, 11.0}}) {
-      const double expected = linear.stiffness * twist + linear.damping * rate;
-      const double torque = law.Torque({time, twist, rate, 0.0, {}, {}});
-      if (std::abs(torque - expected) >
-          1e-12 * (std::abs(linear.stiffness * twist) + std::abs(linear.damping * rate))) {
-        return false;
-      }
-    }
-    return true;
-  }
+  /// A spring and damper and nothing else: edges of the network hold all of it.
+  static bool IsSpringDamper(const Law& law) { return law.is_linear() && law.layout().states.empty(); }
 
-  /// The matrices of a law that is linear with states of its own, found by asking it; nothing for any other law.
+  /// The matrices of a law that is linear with states of its own, column by column as it answers to one argument at a
+  /// time; nothing for any other law.
   static std::optional<DriveLine::LinearStates> FindLinearStates(const Law& law) {
-    const Layout& own = law.layout();
-    const auto n = static_cast<Eigen::Index>(own.states.size());
-    if (n == 0 || own.modes > 0 || own.guards > 0 || law.sticks()) return std::nullopt;
-    struct Answer {
-      Eigen::VectorXd rates;
-      double torque;  // beyond the linear part
+    const auto n = static_cast<Eigen::Index>(law.layout().states.size());
+    if (!law.is_linear() || n == 0) return std::nullopt;
+    const auto view = [n](double twist, double rate, const Eigen::VectorXd& z) {
+      return LawView{0.0, twist, rate, 0.0, {z.data(), static_cast<std::size_t>(n)}, {}};
     };
-    const SpringDamper linear = law.linear();
-    const auto ask = [&](double time, double twist, double rate, const Eigen::VectorXd& z) {
-      const LawView view{time, twist, rate, 0.0, {z.data(), own.states.size()}, {}};
-      Answer answer{Eigen::VectorXd::Zero(n), 0.0};
-      law.Derivative(view, {answer.rates.data(), own.states.size()});
-      answer.torque = law.Torque(view) - linear.stiffness * twist - linear.damping * rate;
+    const auto rates = [&](double twist, double rate, const Eigen::VectorXd& z) {
+      Eigen::VectorXd answer = Eigen::VectorXd::Zero(n);
+      law.Derivative(view(twist, rate, z), {answer.data(), static_cast<std::size_t>(n)});
       return answer;
     };
-    DriveLine::LinearStates found;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(n);
-    found.A.resize(n, n);
-    found.c.resize(n);
+    DriveLine::LinearStates found{Eigen::MatrixXd(n, n), rates(1.0, 0.0, none), rates(0.0, 1.0, none),
+                                  Eigen::RowVectorXd(n)};
     for (Eigen::Index j = 0; j < n; ++j) {
-      const Answer answer = ask(0.0, 0.0, 0.0, Eigen::VectorXd::Unit(n, j));
-      found.A.col(j) = answer.rates;
-      found.c[j] = answer.torque;
-    }
-    found.b_twist = ask(0.0, 1.0, 0.0, none).rates;
-    found.b_rate = ask(0.0, 0.0, 1.0, none).rates;
-    // Points off the axes and far apart in size and time tell a linear law from any other in use.
-    for (const auto& [time, size] : {std::pair{0.0, 1.0}, {5.0, 1e-3}, {11.0, -1e3}}) {
-      Eigen::VectorXd z(n);
-      for (Eigen::Index j = 0; j < n; ++j) z[j] = size * own.states[j].nominal * (0.7 + 0.3 * static_cast<double>(j));
-      const double twist = 0.011 * size, rate = -1.3 * size;
-      const Answer answer = ask(time, twist, rate, z);
-      const Eigen::VectorXd expected = found.A * z + found.b_twist * twist + found.b_rate * rate;
-      const Eigen::VectorXd terms = found.A.cwiseAbs() * z.cwiseAbs() + found.b_twist.cwiseAbs() * std::abs(twist) +
-                                    found.b_rate.cwiseAbs() * std::abs(rate);
-      const double torque_terms =
-          found.c.cwiseAbs().dot(z.cwiseAbs()) + std::abs(linear.stiffness * twist) + std::abs(linear.damping * rate);
-      if (((answer.rates - expected).array().abs() > 1e-12 * terms.array()).any()) return std::nullopt;
-      if (std::abs(answer.torque - found.c.dot(z)) > 1e-12 * torque_terms) return std::nullopt;
+      const Eigen::VectorXd one = Eigen::VectorXd::Unit(n, j);
+      found.A.col(j) = rates(0.0, 0.0, one);
+      found.c[j] = law.Torque(view(0.0, 0.0, one));
     }
     return found;
   }
