@@ -76,6 +76,14 @@ TEST(StepOrder, ActuatorLagActsInContinuousTime) {
   }
 }
 
+TEST(Solvers, OfAnUnknownNameAreRefused) {
+  const std::unique_ptr<Rig> rig = RigOf(Delayed("sensor", 1.7e-4));
+  ASSERT_NE(rig, nullptr);
+  const Result<std::unique_ptr<Solver>> solver = MakeSolver("referense", *rig);
+  ASSERT_FALSE(solver.ok());
+  EXPECT_NE(solver.failure().message.find("referense"), std::string::npos);
+}
+
 TEST(StepOrder, AFrameSavedAndPutBackRepeatsItself) {
   Plan plan = Delayed("sensor", 1.7e-4);
   plan.root["plant"]["load"]["friction"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", 0.3}};
