@@ -77,15 +77,10 @@ Study::Study(Plan plan, std::vector<MappedRecord> records, const Registry& regis
   doubts_ = DoubtsOf(plan_, registry);
   if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);
   Eigen::Index rows = 0;
-  const auto text = [&](const std::string& output, const char* key) {
-    const Value* value = plan_.root.FindPath("output." + output + "." + key);
-    return value != nullptr && value->is_string() ? value->string() : std::string("1");
-  };
   for (std::size_t r = 0; r < records_.size(); ++r) {
     for (const auto& [name, series] : records_[r].outputs) {
-      const Value* nominal = plan_.root.FindPath("output." + name + ".nominal");
-      channels_.push_back({r, name, text(name, "unit"),
-                           nominal != nullptr && nominal->is_number() ? nominal->number() : 1.0,
+      const std::string path = "output." + name;
+      channels_.push_back({r, name, plan_.root.TextOr(path + ".unit", "1"), plan_.root.NumberOr(path + ".nominal", 1.0),
                            score::MedianStep(*series.time), score::StandardDeviation(*series.values), rows,
                            static_cast<Eigen::Index>(series.time->size())});
       rows += channels_.back().count;

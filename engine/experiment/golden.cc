@@ -200,12 +200,8 @@ Result<GoldenTolerances> ReadTolerances(const std::string& file) {
   const std::optional<Plan> plan = LoadPlan(file, {}, diagnostics);
   if (!plan) return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
   GoldenTolerances tolerances;
-  const auto text = [&plan](const char* key) {
-    const Value* value = plan->root.Find(key);
-    return value != nullptr && value->is_string() ? value->string() : std::string();
-  };
-  tolerances.reason = text("reason");
-  tolerances.trace_sha256 = text("trace_sha256");
+  tolerances.reason = plan->root.TextOr("reason");
+  tolerances.trace_sha256 = plan->root.TextOr("trace_sha256");
   const Value* checks = plan->root.Find("checks");
   for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
     if (check.is_string()) tolerances.checks.push_back(check.string());

@@ -17,18 +17,13 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::string TextAt(const Value& table, const char* key) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 /// The [[check]] tables of one kind.
 std::vector<const Value*> ChecksOf(const Plan& plan, std::string_view kind) {
   std::vector<const Value*> found;
   const Value* checks = plan.root.Find("check");
   if (checks == nullptr || !checks->is_array()) return found;
   for (const Value& check : checks->array()) {
-    if (TextAt(check, "kind") == kind) found.push_back(&check);
+    if (check.TextOr("kind") == kind) found.push_back(&check);
   }
   return found;
 }
@@ -265,8 +260,8 @@ void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pic
           picture.curves.size() <= 3 || variant.name.find(picture.curves.front().label) != std::string::npos;
     }
     for (const Value* check : ChecksOf(prepared.plan, "follows")) {
-      const trace::Signal* wanted = trace.Find(TextAt(*check, "reference"));
-      if (TextAt(*check, "signal") != line.name || wanted == nullptr) continue;
+      const trace::Signal* wanted = trace.Find(check->TextOr("reference"));
+      if (check->TextOr("signal") != line.name || wanted == nullptr) continue;
       picture.curves.push_back(curve(*wanted, wanted->name));
       picture.curves.back().style = Curve::Style::kDashed;
     }
@@ -325,7 +320,7 @@ void AddComparisons(const Prepared& prepared, const Course& course, CheckContext
   if (const Samples* other = context.OtherIfMade()) {
     const bool own_is_reference = context.solver() == "reference";
     for (const Value* check : ChecksOf(prepared.plan, "solvers")) {
-      const std::string signal = TextAt(*check, "signal");
+      const std::string signal = check->TextOr("signal");
       const std::vector<double>& others = other->outputs[static_cast<std::size_t>(FindOutput(*prepared.rig, signal))];
       if (others.size() != time.size()) continue;
       comparisons.AddNrmse("solvers", own_is_reference ? "realtime" : "reference", signal, time,
@@ -334,15 +329,15 @@ void AddComparisons(const Prepared& prepared, const Course& course, CheckContext
     }
   }
   for (const Value* check : ChecksOf(prepared.plan, "oracle")) {
-    const std::string signal = TextAt(*check, "signal");
-    const Result<std::vector<double>> answer = context.Oracle(TextAt(*check, "oracle"), signal);  // known by now
+    const std::string signal = check->TextOr("signal");
+    const Result<std::vector<double>> answer = context.Oracle(check->TextOr("oracle"), signal);  // known by now
     if (!answer.ok() || answer->size() != time.size()) continue;
     const Value* until = check->Find("until_s");
     std::size_t rows = time.size();
     if (until != nullptr && until->is_number() && until->number() > 0.0) {
       rows = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), until->number()) - time.begin());
     }
-    comparisons.AddNrmse("oracle", TextAt(*check, "oracle"), signal, std::span(time).first(rows),
+    comparisons.AddNrmse("oracle", check->TextOr("oracle"), signal, std::span(time).first(rows),
                          std::span(*answer).first(rows), std::span(own(signal)).first(rows), limit(*check), false);
   }
   comparisons.Finish(pictures);

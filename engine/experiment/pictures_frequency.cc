@@ -14,15 +14,6 @@
 namespace dynoproof {
 namespace {
 
-double NumberAt(const Value& table, const char* key, double fallback) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-std::string TextAt(const Value& table, const char* key) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 /// The sweep of an input that is driven by a linear chirp alone.
 struct Sweep {
   double start_Hz, end_Hz, rate_Hz_per_s, start_time_s;
@@ -30,10 +21,10 @@ struct Sweep {
 };
 std::optional<Sweep> SweepOf(const Plan& plan, const std::string& input) {
   const Value* source = plan.root.FindPath("input." + input + ".source");
-  if (source == nullptr || TextAt(*source, "type") != "chirp") return std::nullopt;
-  Sweep sweep{NumberAt(*source, "start_Hz", 0.0), NumberAt(*source, "end_Hz", 0.0),
-              NumberAt(*source, "rate_Hz_per_s", 0.0), NumberAt(*source, "start_time_s", 0.0)};
-  const double duration_s = NumberAt(*source, "duration_s", 0.0);
+  if (source == nullptr || source->TextOr("type") != "chirp") return std::nullopt;
+  Sweep sweep{source->NumberOr("start_Hz", 0.0), source->NumberOr("end_Hz", 0.0),
+              source->NumberOr("rate_Hz_per_s", 0.0), source->NumberOr("start_time_s", 0.0)};
+  const double duration_s = source->NumberOr("duration_s", 0.0);
   if (duration_s > 0.0) sweep.rate_Hz_per_s = (sweep.end_Hz - sweep.start_Hz) / duration_s;
   if (!(sweep.rate_Hz_per_s > 0.0) || sweep.end_Hz <= sweep.start_Hz) return std::nullopt;
   return sweep;
@@ -180,7 +171,7 @@ void AddResponses(const Prepared& prepared, const Course& course, RunPictures& p
 void AddSpectra(const Prepared& prepared, const Course& course, RunPictures& pictures) {
   const Value* checks = prepared.plan.root.Find("check");
   for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
-    const std::string kind = TextAt(check, "kind"), name = TextAt(check, "signal");
+    const std::string kind = check.TextOr("kind"), name = check.TextOr("signal");
     const bool peak = kind == "peak";
     if (!peak && kind != "growth" && kind != "placements") continue;
     const trace::Signal* signal = course.trace.Find(name);

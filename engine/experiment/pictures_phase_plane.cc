@@ -10,15 +10,6 @@
 namespace dynoproof {
 namespace {
 
-double NumberAt(const Value& table, const char* key, double fallback) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-std::string TextAt(const Value& table, const char* key) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 const Value::Table& ShaftsOf(const Plan& plan) {
   static const Value::Table none;
   const Value* shafts = plan.root.FindPath("plant.shaft");
@@ -29,7 +20,7 @@ const Value::Table& ShaftsOf(const Plan& plan) {
 std::string OutputOf(const Plan& plan, const std::string& shaft, const std::string& quantity) {
   const Value* outputs = plan.root.Find("output");
   for (const Value::Entry& output : outputs != nullptr && outputs->is_table() ? outputs->table() : Value::Table{}) {
-    if (TextAt(output.value, "of") == fmt::format("plant.{}.{}", shaft, quantity)) return output.key;
+    if (output.value.TextOr("of") == fmt::format("plant.{}.{}", shaft, quantity)) return output.key;
   }
   return "";
 }
@@ -78,14 +69,14 @@ void AddAreas(const Law& law, const std::string& name, double half_gap, double m
 std::unique_ptr<Law> MakeLaw(const Prepared& prepared, const Value& shaft, const std::string& name) {
   Diagnostics ignored;  // the rig has been built of the same table
   BuildContext context{*prepared.registry, ignored, name, {"between", "initial_twist_rad", "law"}};
-  return prepared.registry->MakeLaw(TextAt(shaft, "law"), shaft, context);
+  return prepared.registry->MakeLaw(shaft.TextOr("law"), shaft, context);
 }
 
 }  // namespace
 
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures) {
   for (const Value::Entry& shaft : ShaftsOf(prepared.plan)) {
-    const double half_gap = NumberAt(shaft.value, "half_gap_rad", 0.0);
+    const double half_gap = shaft.value.NumberOr("half_gap_rad", 0.0);
     const std::string twist = OutputOf(prepared.plan, shaft.key, "twist"),
                       rate = OutputOf(prepared.plan, shaft.key, "rate");
     if (!(half_gap > 0.0) || twist.empty() || rate.empty()) continue;
@@ -93,7 +84,7 @@ void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures&
     std::vector<std::pair<std::string, const Plan*>> laws = {{"", &prepared.plan}};
     for (const Prepared::Variant& variant : prepared.variants) {
       const Value* own = variant.plan.root.FindPath("plant.shaft")->Find(shaft.key);
-      if (own != nullptr && TextAt(*own, "law") == "damped_" + TextAt(shaft.value, "law")) {
+      if (own != nullptr && own->TextOr("law") == "damped_" + shaft.value.TextOr("law")) {
         laws.emplace_back("_" + variant.name, &variant.plan);
       }
     }
@@ -102,7 +93,7 @@ void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures&
       const trace::Signal *d = course.trace.Find(twist + suffix), *w = course.trace.Find(rate + suffix);
       const std::unique_ptr<Law> law = MakeLaw(prepared, table, shaft.key);
       if (d == nullptr || w == nullptr || law == nullptr || law->layout().modes < 1) continue;
-      const std::string name = TextAt(table, "law");
+      const std::string name = table.TextOr("law");
       Picture picture{.key = "phase_plane:" + name,
                       .title = fmt::format("Phase plane of shaft \"{}\", {}", shaft.key, name),
                       .note = "twist against twist rate; in the areas both sides touch, in between the shaft is free",

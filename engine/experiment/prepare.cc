@@ -54,8 +54,7 @@ void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
     input["source"] = Value{{"type", "replay"}, {"record", name}, {"interpolation", std::move(interpolation)}};
   }
   Value& run = plan.root["run"];
-  const Value* written = run.Find("period_s");
-  double period_s = written != nullptr && written->is_number() ? written->number() : RunSettings{}.period_s;
+  double period_s = run.NumberOr("period_s", RunSettings{}.period_s);
   // A record of a slower rate that the run's period does not divide sets the period: its inputs are held sample by
   // sample. Rounded up to whole nanoseconds, so that no tick comes before its sample.
   const double step_s = MeanStep(data.inputs.empty() ? data.outputs.begin()->second : data.inputs.begin()->second);
@@ -99,20 +98,16 @@ void ReadReplays(const Value& value, const std::string& folder, Records& records
   }
   if (!value.is_table()) return;
   for (const Value::Entry& entry : value.table()) ReadReplays(entry.value, folder, records, diagnostics);
-  const auto text = [&value](const char* key) {
-    const Value* found = value.Find(key);
-    return found != nullptr && found->is_string() ? found->string() : "";
-  };
-  if (text("type") != "replay" || text("file").empty()) return;
-  const std::string file = (std::filesystem::path(folder) / text("file")).lexically_normal().string();
+  if (value.TextOr("type") != "replay" || value.TextOr("file").empty()) return;
+  const std::string file = (std::filesystem::path(folder) / value.TextOr("file")).lexically_normal().string();
   const Result<trace::Record> record = ReadRecord(file);
   if (!record.ok()) {
     diagnostics.Error(value.Find("file")->where(), record.failure().ToString());
     return;
   }
-  const SignalName wanted{text("column"), ""};
+  const SignalName wanted{value.TextOr("column"), ""};
   const std::optional<MappedRecord> mapped = MapRecord(*record, "", {wanted}, {}, diagnostics);
-  if (mapped) records[text("file") + "#" + text("column")] = mapped->inputs.at(text("column"));
+  if (mapped) records[value.TextOr("file") + "#" + value.TextOr("column")] = mapped->inputs.at(value.TextOr("column"));
 }
 
 /// Builds every [variant.NAME]: a table laid over the scenario.

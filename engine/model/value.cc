@@ -55,6 +55,16 @@ const Value* Value::FindPath(std::string_view path) const {
 
 Value* Value::FindPath(std::string_view path) { return const_cast<Value*>(std::as_const(*this).FindPath(path)); }
 
+double Value::NumberOr(std::string_view path, double fallback) const {
+  const Value* found = FindPath(path);
+  return found != nullptr && found->is_number() ? found->number() : fallback;
+}
+
+std::string Value::TextOr(std::string_view path, std::string_view fallback) const {
+  const Value* found = FindPath(path);
+  return found != nullptr && found->is_string() ? found->string() : std::string(fallback);
+}
+
 std::vector<std::string> KeysOf(const Value& value) {
   std::vector<std::string> keys;
   if (value.is_table()) {

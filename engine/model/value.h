@@ -60,6 +60,9 @@ class Value {
   /// The value at a dotted path such as "plant.inertia.I5" or "output.T_shaft.sensor.0.gain" (array items by number).
   const Value* FindPath(std::string_view path) const;
   Value* FindPath(std::string_view path);
+  /// The number or text at a dotted path; `fallback` where there is nothing or something else.
+  double NumberOr(std::string_view path, double fallback) const;
+  std::string TextOr(std::string_view path, std::string_view fallback = "") const;
 
   const SourceSpan& where() const { return where_; }
   void set_where(SourceSpan where) { where_ = std::move(where); }

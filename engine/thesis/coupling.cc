@@ -76,18 +76,15 @@ Result<CouplingChoice> ChooseCouplingMode(const mechanics::Network& network, con
 }
 
 std::optional<mechanics::DynamicValues> SteadyValues(const Value& shaft, double nu) {
-  const Value* law = shaft.Find("law");
-  const std::string name = law != nullptr && law->is_string() ? law->string() : "spring_damper";
-  const auto number = [&shaft](const char* key) {
-    const Value* value = shaft.Find(key);
-    return value != nullptr && value->is_number() ? value->number() : 0.0;
-  };
-  const double k = number("stiffness_Nm_per_rad");
+  const std::string name = shaft.TextOr("law", "spring_damper");
+  const double k = shaft.NumberOr("stiffness_Nm_per_rad", 0.0);
   if (name == "kelvin_voigt" || name == "spring_damper") {
-    return mechanics::DynamicValues{k, number("damping_Nms_per_rad")};
+    return mechanics::DynamicValues{k, shaft.NumberOr("damping_Nms_per_rad", 0.0)};
   }
   if (name != "oil_coupling") return std::nullopt;
-  return mechanics::OilCoupling{k, number("k_p_m3"), number("kappa_p_per_s"), number("kappa_w_Pa_per_rad")}.At(nu);
+  return mechanics::OilCoupling{k, shaft.NumberOr("k_p_m3", 0.0), shaft.NumberOr("kappa_p_per_s", 0.0),
+                                shaft.NumberOr("kappa_w_Pa_per_rad", 0.0)}
+      .At(nu);
 }
 
 }  // namespace dynoproof

@@ -29,11 +29,6 @@ Result<double> Number(const Value& parameters, const char* key) {
   return value->number();
 }
 
-std::string Text(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 /// The scenario of that id, with the shaft's table replaced (what it joins stays) when `coupling` is given.
 Result<std::unique_ptr<Prepared>> Load(const Registry& registry, const std::string& id,
                                        const Value* coupling = nullptr) {
@@ -62,7 +57,7 @@ Result<Samples> Run(const Rig& rig) {
 }
 
 Result<Value> ShaftOf(const Registry& registry, const Value& parameters) {
-  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  const auto prepared = Load(registry, parameters.TextOr("scenario"));
   if (!prepared.ok()) return prepared.failure();
   const Value* shaft = (*prepared)->plan.root.FindPath(std::string("plant.shaft.") + kShaft);
   return shaft != nullptr ? Result<Value>(*shaft) : Wrong("the scenario has no shaft \"coupling\"");
@@ -77,20 +72,20 @@ Result<Figure> CouplingSteady(const Registry& registry, const Value& parameters)
   if (!nu.ok()) return nu.failure();
   const std::optional<mechanics::DynamicValues> values = SteadyValues(*shaft, *nu);
   if (!values) return Wrong("the coupling's law has no steady values");
-  if (Text(parameters, "quantity") == "stiffness") return Figure{values->stiffness, "N m/rad"};
-  if (Text(parameters, "quantity") == "damping") return Figure{values->damping, "N m s/rad"};
+  if (parameters.TextOr("quantity") == "stiffness") return Figure{values->stiffness, "N m/rad"};
+  if (parameters.TextOr("quantity") == "damping") return Figure{values->damping, "N m s/rad"};
   return Wrong("quantity is \"stiffness\" or \"damping\"");
 }
 
 Result<Figure> CouplingFrequency(const Registry& registry, const Value& parameters) {
-  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  const auto prepared = Load(registry, parameters.TextOr("scenario"));
   if (!prepared.ok()) return prepared.failure();
   const Result<double> stiffness = Number(parameters, "static_stiffness");
   if (!stiffness.ok()) return stiffness.failure();
   const Block* plant = (*prepared)->rig->FindBlock("plant");
   if (plant == nullptr || plant->component->network() == nullptr) return Wrong("the plant is no drive line");
   mechanics::Network network = *plant->component->network();
-  const std::string shaft = Text(parameters, "shaft").empty() ? kShaft : Text(parameters, "shaft");
+  const std::string shaft = parameters.TextOr("shaft").empty() ? kShaft : parameters.TextOr("shaft");
   if (shaft != kShaft) {  // the coupling somewhere else, a stiff shaft in its place
     const Result<double> rigid = Number(parameters, "rigid_stiffness");
     if (!rigid.ok()) return rigid.failure();
@@ -116,7 +111,7 @@ Result<Figure> CouplingLever(const Registry&, const Value& parameters) {
                                          .kinematic_viscosity = 50e-6,
                                          .spring = 78e3};
   const double derived = mechanics::FromGeometry(g).k_p;
-  const std::string form = Text(parameters, "form");
+  const std::string form = parameters.TextOr("form");
   if (form == "printed") {
     return Figure{g.segments * g.width * (0.5 * g.length * g.length + 2.0 * g.length * g.inner_radius) / derived, "1"};
   }
@@ -164,7 +159,7 @@ Result<Figure> CouplingChamberAngle(const Registry& registry, const Value& param
 }
 
 Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& parameters) {
-  const auto prepared = Load(registry, Text(parameters, "scenario"));
+  const auto prepared = Load(registry, parameters.TextOr("scenario"));
   if (!prepared.ok()) return prepared.failure();
   const Value& root = (*prepared)->plan.root;
   const auto at = [&root](const std::string& path) {
@@ -203,14 +198,14 @@ Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& paramet
     if (s.imag() > 0.0 && std::abs(s) < std::abs(slowest)) slowest = s;
   }
   const double loop_Hz = std::abs(slowest) / (2.0 * std::numbers::pi);
-  if (Text(parameters, "figure").empty()) return Figure{loop_Hz, "Hz"};
+  if (parameters.TextOr("figure").empty()) return Figure{loop_Hz, "Hz"};
   const Result<Figure> peak = ScenarioFigure(registry, parameters);
   if (!peak.ok()) return peak;
   return Figure{std::abs(peak->value - loop_Hz) / (-slowest.real() / (2.0 * std::numbers::pi)), "1"};
 }
 
 Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters) {
-  const std::string signal = Text(parameters, "signal");
+  const std::string signal = parameters.TextOr("signal");
   const Value *first = parameters.Find("first"), *second = parameters.Find("second"),
               *during = parameters.Find("during_s");
   if (first == nullptr || second == nullptr) return Wrong("needs the couplings \"first\" and \"second\"");
@@ -219,7 +214,7 @@ Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters)
   std::vector<double> courses[3];
   int next = 0;
   for (const Value* coupling : {static_cast<const Value*>(nullptr), first, second}) {
-    const auto prepared = Load(registry, Text(parameters, "scenario"), coupling);
+    const auto prepared = Load(registry, parameters.TextOr("scenario"), coupling);
     if (!prepared.ok()) return prepared.failure();
     const Result<Samples> samples = Run(*(*prepared)->rig);
     if (!samples.ok()) return samples.failure();

@@ -16,15 +16,6 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-double NumberAt(const Value& table, const char* key, double fallback) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-std::string TextAt(const Value& table, const char* key) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 /// The loop of a scenario, as the studies of chapter 5 compute it.
 struct Loop {
   SuppressionPlant plant;
@@ -54,13 +45,13 @@ std::optional<Way> WayOf(const Value& input) {
   if (stages != nullptr && stages->is_array()) list = stages->array();
   if (stages != nullptr && stages->is_table()) list = {*stages};
   for (const Value& stage : list) {
-    const std::string type = TextAt(stage, "type");
+    const std::string type = stage.TextOr("type");
     if (type == "delay") {
-      way.delay_s += NumberAt(stage, "delay_s", 0.0);
+      way.delay_s += stage.NumberOr("delay_s", 0.0);
     } else if (type == "gain") {
-      way.gain *= NumberAt(stage, "gain", 1.0);
+      way.gain *= stage.NumberOr("gain", 1.0);
     } else if (type == "first_order_lag" && way.tau_s == 0.0) {
-      way.tau_s = NumberAt(stage, "tau_s", 0.0);
+      way.tau_s = stage.NumberOr("tau_s", 0.0);
     } else {
       return std::nullopt;
     }
@@ -72,15 +63,14 @@ std::optional<Way> WayOf(const Value& input) {
 std::optional<Loop> LoopOf(const Prepared& prepared, const Course& course, mechanics::TransferFunction& transfer) {
   const Value &root = prepared.plan.root, *core = root.FindPath("control.core"), *inputs = root.Find("input");
   if (core == nullptr || inputs == nullptr || transfer.output().kind != mechanics::OutputKind::kEdgeTorque) return {};
-  const std::string type = TextAt(*core, "type");
+  const std::string type = core->TextOr("type");
   const trace::Signal* k_V = course.trace.Find("k_V");
   if ((type != "core_10k" && type != "classical_core") || k_V == nullptr) return {};
   Loop loop;
   loop.period_s = prepared.rig->run.period_s;
   loop.k_V = k_V->values.back();
-  loop.radius =
-      NumberAt(*core, "radius",
-               type == "core_10k" ? control10k::CoreConfig{}.suppression.radius : control10k::ClassicalConfig{}.radius);
+  loop.radius = core->NumberOr("radius", type == "core_10k" ? control10k::CoreConfig{}.suppression.radius
+                                                            : control10k::ClassicalConfig{}.radius);
   loop.plant.network = transfer.network();
   loop.plant.airgap = transfer.input();
   loop.plant.shaft_edge = transfer.output().index;
@@ -88,7 +78,7 @@ std::optional<Loop> LoopOf(const Prepared& prepared, const Course& course, mecha
   double total = 0.0, delay_s = -1.0;
   bool lagging = false;
   for (const Value::Entry& input : inputs->table()) {
-    if (TextAt(input.value, "from") != "control.core.T_ref") continue;
+    if (input.value.TextOr("from") != "control.core.T_ref") continue;
     const std::optional<Way> way = WayOf(input.value);
     if (!way || (delay_s >= 0.0 && way->delay_s != delay_s)) return {};
     delay_s = way->delay_s;
@@ -105,7 +95,7 @@ std::optional<Loop> LoopOf(const Prepared& prepared, const Course& course, mecha
   if (!lagging || std::abs(total - 1.0) > 1e-12) return {};
   loop.delay_samples = static_cast<int>(std::lround(delay_s / loop.period_s));
   for (const OutputLine& line : prepared.rig->outputs) {
-    const std::string of = TextAt(*root.Find("output")->Find(line.name), "of");
+    const std::string of = root.Find("output")->Find(line.name)->TextOr("of");
     if (!of.starts_with("control.core.notch_")) continue;
     const std::vector<double>& f = course.trace.Find(line.name)->values;
     if (f.back() != f.front()) loop.notch_Hz.push_back(f.back());

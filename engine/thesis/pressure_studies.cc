@@ -18,16 +18,6 @@ namespace {
 
 Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
-double Number(const Value& parameters, const char* path, double fallback) {
-  const Value* value = parameters.FindPath(path);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-
-std::string Text(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 bool Flag(const Value& parameters, const char* key) {
   const Value* value = parameters.Find(key);
   return value != nullptr && value->is_bool() && value->boolean();
@@ -36,7 +26,7 @@ bool Flag(const Value& parameters, const char* key) {
 /// The scenario that the claim names, as written.
 Result<Plan> PlanOf(const Value& parameters) {
   Diagnostics diagnostics;
-  const std::vector<std::string> files = FindScenarios(Text(parameters, "scenario"), diagnostics);
+  const std::vector<std::string> files = FindScenarios(parameters.TextOr("scenario"), diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
   if (!plan) return Wrong("needs a \"scenario\"\n" + diagnostics.Format());
   return *plan;
@@ -47,21 +37,21 @@ Result<mechanics::Regulator> RegulatorOf(const Value& parameters) {
   const Result<Plan> plan = PlanOf(parameters);
   if (!plan.ok()) return plan.failure();
   const Value* plant = plan->root.Find("plant");
-  if (plant == nullptr || Text(*plant, "type") != "fuel_gas") return Wrong("the plant is not fuel_gas");
-  const double R_theta = Number(*plant, "R_J_per_kg_K", 518.0) * Number(*plant, "theta_K", 300.0);
-  return mechanics::Regulator{Number(*plant, "mass_kg", 0.0),
-                              Number(*plant, "stiffness_N_per_m", 0.0),
-                              Number(*plant, "damping_Ns_per_m", 0.0),
-                              Number(*plant, "membrane_area_m2", 0.0),
-                              Number(*plant, "reservoir.res.pressure_Pa", 0.0) / std::sqrt(2.0 * R_theta) *
-                                  Number(*plant, "valve.v_g.area_slope_m", 0.0),
-                              R_theta / Number(*plant, "volume.V.volume_m3", 1.0)};
+  if (plant == nullptr || plant->TextOr("type") != "fuel_gas") return Wrong("the plant is not fuel_gas");
+  const double R_theta = plant->NumberOr("R_J_per_kg_K", 518.0) * plant->NumberOr("theta_K", 300.0);
+  return mechanics::Regulator{plant->NumberOr("mass_kg", 0.0),
+                              plant->NumberOr("stiffness_N_per_m", 0.0),
+                              plant->NumberOr("damping_Ns_per_m", 0.0),
+                              plant->NumberOr("membrane_area_m2", 0.0),
+                              plant->NumberOr("reservoir.res.pressure_Pa", 0.0) / std::sqrt(2.0 * R_theta) *
+                                  plant->NumberOr("valve.v_g.area_slope_m", 0.0),
+                              R_theta / plant->NumberOr("volume.V.volume_m3", 1.0)};
 }
 
 /// Largest relative distance of (6.20) with the gains (6.21) from (6.22), over six decades.
 Result<Figure> FirstOrderLag(const Registry&, const Value& parameters) {
-  const double f_n = Number(parameters, "bandwidth_Hz", 0.5), v_n = 2.0 * std::numbers::pi * f_n;
-  const double capacity = Number(parameters, "volume_m3", 0.4) / (287.05 * 320.0);
+  const double f_n = parameters.NumberOr("bandwidth_Hz", 0.5), v_n = 2.0 * std::numbers::pi * f_n;
+  const double capacity = parameters.NumberOr("volume_m3", 0.4) / (287.05 * 320.0);
   const mechanics::TransferPolynomials loop =
       mechanics::VolumeLoop(capacity, mechanics::FirstOrderLagGains(capacity, v_n));
   double worst = 0.0;
@@ -75,14 +65,14 @@ Result<Figure> FirstOrderLag(const Registry&, const Value& parameters) {
 }
 
 Result<Figure> FlowFunctionStudy(const Registry&, const Value& parameters) {
-  return Figure{mechanics::FlowFunctionDeviation(Number(parameters, "kappa", 1.4)), "1"};
+  return Figure{mechanics::FlowFunctionDeviation(parameters.NumberOr("kappa", 1.4)), "1"};
 }
 
 /// Least stiffness (6.31), or a root of the regulator alone.
 Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
   const Result<mechanics::Regulator> regulator = RegulatorOf(parameters);
   if (!regulator.ok()) return regulator.failure();
-  const std::string figure = Text(parameters, "figure");
+  const std::string figure = parameters.TextOr("figure");
   if (figure == "least_stiffness") return Figure{mechanics::LeastStiffness(*regulator), "N/m"};
   if (figure == "integral_bound_per_ms") return Figure{1e-3 * mechanics::LargestIntegralGain(*regulator, 0.0), "1/ms"};
   const auto roots = mechanics::PolynomialRoots(mechanics::RegulatorPolynomial(*regulator));
@@ -99,8 +89,8 @@ Result<Figure> RegulatorBound(const Registry&, const Value& parameters) {
   const Result<mechanics::Regulator> found = RegulatorOf(parameters);
   if (!found.ok()) return found.failure();
   const mechanics::Regulator regulator = *found;
-  const std::string swept = Text(parameters, "swept");
-  const double k_P = Number(parameters, "k_P", 0.0);
+  const std::string swept = parameters.TextOr("swept");
+  const double k_P = parameters.NumberOr("k_P", 0.0);
   double bound = 0.0, stable = 0.0, unstable = 0.0;
   std::function<double(double)> part;
   if (swept == "k_s") {
@@ -144,14 +134,14 @@ Result<Figure> RegulatorSteady(const Registry& registry, const Value& parameters
   BuildContext context{registry, diagnostics, "plant", {"inputs"}};
   const std::unique_ptr<Component> plant = registry.MakeComponent("plant", table, context);
   if (plant == nullptr) return Wrong(diagnostics.Format());
-  const double inputs[] = {Number(parameters, "p_mem", 5e5), Number(parameters, "q_e", 0.02)};
+  const double inputs[] = {parameters.NumberOr("p_mem", 5e5), parameters.NumberOr("q_e", 0.02)};
   double states[3] = {}, rates[3] = {};
   plant->Start(inputs, states, {});
   plant->Derivative({0.0, inputs, states, {}}, rates);
   // Rest to round-off: forces of 1e4 N, flows that change a pressure by 1e5 Pa/s.
   if (std::abs(rates[1]) > 1e-8 || std::abs(rates[2]) > 1e-5) return Wrong("the plant does not start at rest");
-  const double d_q = Flag(parameters, "as_printed") ? 0.0 : Number(table, "valve.v_g.flow_at_rest_kg_per_s", 0.0);
-  const double formula = inputs[0] - Number(table, "preload_N", 0.0) / regulator->A -
+  const double d_q = Flag(parameters, "as_printed") ? 0.0 : table.NumberOr("valve.v_g.flow_at_rest_kg_per_s", 0.0);
+  const double formula = inputs[0] - table.NumberOr("preload_N", 0.0) / regulator->A -
                          regulator->k_s / regulator->A * (inputs[1] - d_q) / regulator->k_q;
   return Figure{states[2] - formula, "Pa"};
 }
@@ -162,10 +152,10 @@ Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   if (!plan.ok()) return plan.failure();
   const Value* control = plan->root.FindPath("control.proposed");
   if (control == nullptr) return Wrong("the scenario has no [control.proposed]");
-  const double swept = Number(*control, "volumetric_efficiency", 1.0) * Number(*control, "displacement_m3", 0.0) *
-                       Number(parameters, "speed", 0.0) / (4.0 * std::numbers::pi);
-  const double area = mechanics::FlapArea::Cosine(Number(*control, "flap.1.area_offset_m2", 0.0),
-                                                  Number(*control, "flap.1.area_span_m2", 1.0))
+  const double swept = control->NumberOr("volumetric_efficiency", 1.0) * control->NumberOr("displacement_m3", 0.0) *
+                       parameters.NumberOr("speed", 0.0) / (4.0 * std::numbers::pi);
+  const double area = mechanics::FlapArea::Cosine(control->NumberOr("flap.1.area_offset_m2", 0.0),
+                                                  control->NumberOr("flap.1.area_span_m2", 1.0))
                           .Area(25.0);
   return Figure{mechanics::PressureSurplus(swept, area, 287.05 * 320.0), "1"};
 }

@@ -15,19 +15,10 @@ namespace {
 
 Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
-double NumberOr(const Value& parameters, const char* key, double fallback) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-std::string TextOr(const Value& parameters, const char* key, const std::string& fallback) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : fallback;
-}
-
 /// The claim's scenario, with its law (variant) and c_f laid over it.
 Result<Plan> PlanOf(const Value& parameters, const std::string& law) {
   Diagnostics diagnostics;
-  const std::vector<std::string> files = FindScenarios(TextOr(parameters, "scenario", ""), diagnostics);
+  const std::vector<std::string> files = FindScenarios(parameters.TextOr("scenario"), diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
   if (!plan) return Wrong(diagnostics.Format());
   if (const Value* variant = plan->root.FindPath("variant." + law)) {
@@ -47,9 +38,9 @@ Result<ContactCourse> CourseOf(const Registry& registry, const Value& parameters
   Result<Plan> plan = PlanOf(parameters, law);
   if (!plan.ok()) return plan.failure();
   Result<ContactCourse> course =
-      FollowContacts(*plan, "backlash", TextOr(parameters, "solver", "reference"), registry, {});
+      FollowContacts(*plan, "backlash", parameters.TextOr("solver", "reference"), registry, {});
   if (!course.ok()) return course.failure();
-  const double from_s = NumberOr(parameters, "from_s", 0.0);
+  const double from_s = parameters.NumberOr("from_s", 0.0);
   std::erase_if(course->impacts, [from_s](const Impact& impact) { return impact.time_s <= from_s; });
   if (course->impacts.empty()) return Wrong("no impact");
   return course;
@@ -58,11 +49,11 @@ Result<ContactCourse> CourseOf(const Registry& registry, const Value& parameters
 }  // namespace
 
 Result<Figure> BacklashImpact(const Registry& registry, const Value& parameters) {
-  const Result<ContactCourse> course = CourseOf(registry, parameters, TextOr(parameters, "law", ""));
+  const Result<ContactCourse> course = CourseOf(registry, parameters, parameters.TextOr("law"));
   if (!course.ok()) return course.failure();
   const Impact& impact = course->impacts.front();
-  const std::string figure = TextOr(parameters, "figure", "");
-  if (figure == "time_ms") return Figure{1e3 * (impact.time_s - NumberOr(parameters, "from_s", 0.0)), "ms"};
+  const std::string figure = parameters.TextOr("figure");
+  if (figure == "time_ms") return Figure{1e3 * (impact.time_s - parameters.NumberOr("from_s", 0.0)), "ms"};
   if (figure == "speed") return Figure{std::abs(impact.speed_rad_per_s), "rad/s"};
   if (figure == "peak") return Figure{impact.peak_torque_Nm, "N m"};
   if (figure == "rebound") return Figure{-std::abs(impact.rebound_rad_per_s), "rad/s"};
@@ -71,8 +62,8 @@ Result<Figure> BacklashImpact(const Registry& registry, const Value& parameters)
 
 Result<Figure> BacklashRigidMass(const Registry&, const Value& parameters) {
   // J dw/dt = T - c_f w from rest over the way 2 alpha: with tau = J/c_f the way is (T/c_f)(t - tau (1 - exp(-t/tau))).
-  const double J = NumberOr(parameters, "inertia", 0.0), T = NumberOr(parameters, "torque", 0.0),
-               c_f = NumberOr(parameters, "c_f", 0.0), way = 2.0 * NumberOr(parameters, "half_gap_rad", 0.0);
+  const double J = parameters.NumberOr("inertia", 0.0), T = parameters.NumberOr("torque", 0.0),
+               c_f = parameters.NumberOr("c_f", 0.0), way = 2.0 * parameters.NumberOr("half_gap_rad", 0.0);
   if (!(J > 0.0 && T > 0.0 && way > 0.0 && c_f >= 0.0)) return Wrong("needs inertia, torque, half_gap_rad, c_f");
   double low = 0.0, high = 1.0;
   const auto angle = [&](double t) {
@@ -80,25 +71,25 @@ Result<Figure> BacklashRigidMass(const Registry&, const Value& parameters) {
   };
   while (angle(high) < way) high *= 2.0;
   for (int i = 0; i < 100; ++i) (angle(0.5 * (low + high)) < way ? low : high) = 0.5 * (low + high);
-  if (TextOr(parameters, "figure", "") == "time_ms") return Figure{1e3 * high, "ms"};
+  if (parameters.TextOr("figure") == "time_ms") return Figure{1e3 * high, "ms"};
   return Figure{c_f == 0.0 ? T / J * high : -T / c_f * std::expm1(-c_f / J * high), "rad/s"};
 }
 
 Result<Figure> BacklashLaws(const Registry& registry, const Value& parameters) {
-  const Result<ContactCourse> one = CourseOf(registry, parameters, TextOr(parameters, "law", "")),
-                              other = CourseOf(registry, parameters, TextOr(parameters, "other", ""));
+  const Result<ContactCourse> one = CourseOf(registry, parameters, parameters.TextOr("law")),
+                              other = CourseOf(registry, parameters, parameters.TextOr("other"));
   if (!one.ok()) return one.failure();
   if (!other.ok()) return other.failure();
-  const auto number = static_cast<std::size_t>(NumberOr(parameters, "until_impact", 2.0));
+  const auto number = static_cast<std::size_t>(parameters.NumberOr("until_impact", 2.0));
   if (number < 1 || one->impacts.size() < number) return Wrong("too few impacts");
   // The signal of the scenario, over what it spreads from from_s to that impact.
   const Result<Plan> plan = PlanOf(parameters, "");
   if (!plan.ok()) return plan.failure();
-  const std::string signal = TextOr(parameters, "signal", "omega_1");
+  const std::string signal = parameters.TextOr("signal", "omega_1");
   const std::vector<std::string> names = KeysOf(*plan->root.Find("output"));
   const auto output = static_cast<std::size_t>(std::find(names.begin(), names.end(), signal) - names.begin());
   if (output == names.size()) return Wrong("the scenario has no output " + signal);
-  const double from_s = NumberOr(parameters, "from_s", 0.0), to_s = one->impacts[number - 1].time_s;
+  const double from_s = parameters.NumberOr("from_s", 0.0), to_s = one->impacts[number - 1].time_s;
   double error = 0.0, mean = 0.0, square = 0.0, count = 0.0;
   for (std::size_t k = 0; k < one->samples.time.size(); ++k) {
     if (one->samples.time[k] < from_s || one->samples.time[k] > to_s) continue;
@@ -113,7 +104,7 @@ Result<Figure> BacklashLaws(const Registry& registry, const Value& parameters) {
 }
 
 Result<Figure> RotorInThirds(const Registry&, const Value& parameters) {
-  const double third = NumberOr(parameters, "inertia", 0.0) / 3.0, k = NumberOr(parameters, "stiffness", 0.0);
+  const double third = parameters.NumberOr("inertia", 0.0) / 3.0, k = parameters.NumberOr("stiffness", 0.0);
   if (!(third > 0.0 && k > 0.0)) return Wrong("needs inertia and stiffness");
   // Equal thirds on two equal springs: outer ones against each other, sqrt(k/m), then sqrt(3 k/m).
   return Figure{std::sqrt(k / third) / (2.0 * std::numbers::pi), "Hz"};

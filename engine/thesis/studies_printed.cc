@@ -18,16 +18,6 @@ namespace {
 
 Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
-double Number(const Value& parameters, const char* key, double fallback) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-
-std::string Text(const Value& parameters, const char* key, const std::string& fallback = "") {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : fallback;
-}
-
 bool Flag(const Value& parameters, const char* key) {
   const Value* value = parameters.Find(key);
   return value != nullptr && value->is_bool() && value->boolean();
@@ -35,7 +25,7 @@ bool Flag(const Value& parameters, const char* key) {
 
 Result<Plan> PlanNamed(const Value& parameters, const char* key) {
   Diagnostics diagnostics;
-  const std::vector<std::string> files = FindScenarios(Text(parameters, key), diagnostics);
+  const std::vector<std::string> files = FindScenarios(parameters.TextOr(key), diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
   if (!plan) return Wrong(fmt::format("needs a \"{}\"\n{}", key, diagnostics.Format()));
   return *plan;
@@ -57,7 +47,7 @@ Result<double> Sum(const Plan& plan, const Value& parameters, const char* keys) 
 /// What tables say: the sum of `keys` of `scenario` (or `value`), less that of `less` (another scenario), over that of
 /// `over_keys`, `times` a factor, as a deviation from `percent_off` in per cent. `unit` is the figure's.
 Result<Figure> TableValue(const Registry&, const Value& parameters) {
-  double value = Number(parameters, "value", 0.0);
+  double value = parameters.NumberOr("value", 0.0);
   if (parameters.Find("scenario") != nullptr) {
     const Result<Plan> plan = PlanNamed(parameters, "scenario");
     if (!plan.ok()) return plan.failure();
@@ -77,15 +67,16 @@ Result<Figure> TableValue(const Registry&, const Value& parameters) {
     if (!sum.ok()) return sum.failure();
     value -= *sum;
   }
-  value *= Number(parameters, "times", 1.0);
-  if (parameters.Find("percent_off") != nullptr) value = 100.0 * (value / Number(parameters, "percent_off", 1.0) - 1.0);
-  return Figure{value, Text(parameters, "unit", "1")};
+  value *= parameters.NumberOr("times", 1.0);
+  if (parameters.Find("percent_off") != nullptr)
+    value = 100.0 * (value / parameters.NumberOr("percent_off", 1.0) - 1.0);
+  return Figure{value, parameters.TextOr("unit", "1")};
 }
 
 /// Moment of inertia of a full disc.
 Result<Figure> DiscInertia(const Registry&, const Value& parameters) {
-  const double radius = 0.5 * Number(parameters, "diameter_m", 0.0), length = Number(parameters, "length_m", 0.0);
-  const double mass = Number(parameters, "density_kg_per_m3", 0.0) * std::numbers::pi * radius * radius * length;
+  const double radius = 0.5 * parameters.NumberOr("diameter_m", 0.0), length = parameters.NumberOr("length_m", 0.0);
+  const double mass = parameters.NumberOr("density_kg_per_m3", 0.0) * std::numbers::pi * radius * radius * length;
   return Figure{0.5 * mass * radius * radius, "kg m^2"};
 }
 
@@ -167,7 +158,7 @@ Result<Figure> GapAngle(const Registry&, const Value& parameters) {
 
 /// Speed at the gap by (3.14), contact lost at the left, less the integrated one, over omega_d.
 Result<Figure> GapSpeed(const Registry&, const Value& parameters) {
-  const double c_f = Number(parameters, "c_f", 0.1);
+  const double c_f = parameters.NumberOr("c_f", 0.1);
   const AtGap at = LeaveContact(-1.0, 100.0, c_f);
   const double fading =
       std::exp(-kStiffness / (kDamping + c_f) * ((at.phi_d + kHalfGap) / at.omega_d + kDamping / kStiffness));
@@ -188,7 +179,7 @@ Result<Figure> Reaches(const Registry&, const Value& parameters) {
   if (!plan.ok()) return plan.failure();
   const Value* shafts = plan->root.FindPath("plant.shaft");
   if (shafts == nullptr) return Wrong("the scenario has no shafts");
-  std::set<std::string> reached = {Text(parameters, "from")};
+  std::set<std::string> reached = {parameters.TextOr("from")};
   for (std::size_t before = 0; before != reached.size();) {
     before = reached.size();
     for (const Value::Entry& shaft : shafts->table()) {
@@ -198,7 +189,7 @@ Result<Figure> Reaches(const Registry&, const Value& parameters) {
       if (reached.contains(a) || reached.contains(b)) reached.insert({a, b});
     }
   }
-  const Value* between = shafts->FindPath(Text(parameters, "shaft") + ".between");
+  const Value* between = shafts->FindPath(parameters.TextOr("shaft") + ".between");
   if (between == nullptr) return Wrong("no such shaft");
   return Figure{reached.contains(between->array()[0].string()) ? 1.0 : 0.0, "1"};
 }
@@ -208,7 +199,7 @@ Result<Figure> Reaches(const Registry&, const Value& parameters) {
 Result<Figure> SpectrumGrid(const Registry&, const Value& parameters) {
   const double N = 128.0, N_g = 24.0, T_d = 1e-4;
   const int N_s = 10;
-  const std::string quantity = Text(parameters, "quantity");
+  const std::string quantity = parameters.TextOr("quantity");
   if (quantity == "resolution") return Figure{1.0 / (N * T_d), "Hz"};
   if (quantity == "last_bin") return Figure{N_g / (N * T_d), "Hz"};
   std::set<int> results;
@@ -228,8 +219,8 @@ double Faded(double hours) {
   return 1.0 - static_cast<double>(amplitude);
 }
 Result<Figure> AmplitudeFade(const Registry&, const Value& parameters) {
-  const double hours = Number(parameters, "hours", 1.0);
-  return Figure{Text(parameters, "precision") == "single" ? Faded<float>(hours) : Faded<double>(hours), "1"};
+  const double hours = parameters.NumberOr("hours", 1.0);
+  return Figure{parameters.TextOr("precision") == "single" ? Faded<float>(hours) : Faded<double>(hours), "1"};
 }
 
 /// How many of 1000 drawn radii rise by (E.1) with a drawn gamma >= 0.

@@ -13,11 +13,6 @@ namespace {
 
 Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
-std::string Text(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 Result<Figures> Run(const Registry& registry, const std::string& scenario, const std::string& kind,
                     const std::vector<std::string>& settings) {
   Diagnostics diagnostics;
@@ -27,7 +22,7 @@ Result<Figures> Run(const Registry& registry, const std::string& scenario, const
   Value::Array chosen;
   const Value* checks = plan->root.Find("check");
   for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
-    if (Text(check, "kind") == kind) chosen.push_back(check);
+    if (check.TextOr("kind") == kind) chosen.push_back(check);
   }
   if (chosen.empty()) return Wrong(fmt::format("{} has no check of the kind \"{}\"", scenario, kind));
   plan->root["check"] = Value(std::move(chosen));
@@ -70,14 +65,14 @@ Result<Figure> ScenarioFigure(const Registry& registry, const Value& parameters)
     if (!one.is_string()) return Wrong("\"set\" is a list of key=value");
     settings.push_back(one.string());
   }
-  const std::string scenario = Text(parameters, "scenario"), kind = Text(parameters, "kind"),
-                    name = Text(parameters, "figure");
+  const std::string scenario = parameters.TextOr("scenario"), kind = parameters.TextOr("kind"),
+                    name = parameters.TextOr("figure");
   const Result<Figure> figure = Pick(FiguresOf(registry, scenario, kind, settings), name);
   const bool over_scenario = parameters.Find("over_scenario") != nullptr;
   if (!figure.ok() || (parameters.Find("over") == nullptr && !over_scenario)) return figure;
   const Result<Figure> over = over_scenario
-                                  ? Pick(FiguresOf(registry, Text(parameters, "over_scenario"), kind, settings), name)
-                                  : Pick(FiguresOf(registry, scenario, kind, settings), Text(parameters, "over"));
+                                  ? Pick(FiguresOf(registry, parameters.TextOr("over_scenario"), kind, settings), name)
+                                  : Pick(FiguresOf(registry, scenario, kind, settings), parameters.TextOr("over"));
   if (!over.ok()) return over;
   return Figure{figure->value / over->value, "1"};
 }

@@ -24,19 +24,9 @@ constexpr int kBlock = 128, kBins = 24;
 
 Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
-double Number(const Value& parameters, const char* key, double fallback) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-
-std::string Text(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 SuppressionPlant PlantOf(const Value& parameters) {
-  SuppressionPlant plant = R2RPlant(Number(parameters, "I5", 0.081), Number(parameters, "tau_s", 1e-3));
-  plant.direct = Number(parameters, "direct", 0.0);
+  SuppressionPlant plant = R2RPlant(parameters.NumberOr("I5", 0.081), parameters.NumberOr("tau_s", 1e-3));
+  plant.direct = parameters.NumberOr("direct", 0.0);
   return plant;
 }
 
@@ -49,24 +39,24 @@ control10k::NotchCoefficients NotchAt(double f_Hz, double r) {
 /// Of the sampled loop's mode number `mode` (the fastest growing is 1): `quantity` = frequency or growth. Negative k_V:
 /// the printed sign of the feedthrough.
 Result<Figure> LoopModeStudy(const Registry&, const Value& parameters) {
-  const auto modes = FilteredLoopModes(PlantOf(parameters), Number(parameters, "k_V", 9.7),
-                                       static_cast<int>(Number(parameters, "delay_samples", 0.0)), {});
+  const auto modes = FilteredLoopModes(PlantOf(parameters), parameters.NumberOr("k_V", 9.7),
+                                       static_cast<int>(parameters.NumberOr("delay_samples", 0.0)), {});
   if (!modes.ok()) return modes.failure();
-  const auto index = static_cast<std::size_t>(Number(parameters, "mode", 1.0)) - 1;
+  const auto index = static_cast<std::size_t>(parameters.NumberOr("mode", 1.0)) - 1;
   if (index >= modes->size()) return Wrong("no such mode");
   const FilteredLoopMode& mode = (*modes)[index];
-  return Text(parameters, "quantity") == "growth" ? Figure{mode.growth_per_s, "1/s"} : Figure{mode.frequency_hz, "Hz"};
+  return parameters.TextOr("quantity") == "growth" ? Figure{mode.growth_per_s, "1/s"} : Figure{mode.frequency_hz, "Hz"};
 }
 
 /// How many modes of the loop grow.
 Result<Figure> UnstableModes(const Registry&, const Value& parameters) {
   std::vector<control10k::NotchCoefficients> notches;
-  const double r = Number(parameters, "radius", 0.995);
+  const double r = parameters.NumberOr("radius", 0.995);
   for (const char* key : {"notch_1_Hz", "notch_2_Hz"}) {
-    if (const double f = Number(parameters, key, 0.0); f > 0.0) notches.push_back(NotchAt(f, r));
+    if (const double f = parameters.NumberOr(key, 0.0); f > 0.0) notches.push_back(NotchAt(f, r));
   }
-  const auto modes = FilteredLoopModes(PlantOf(parameters), Number(parameters, "k_V", 9.7),
-                                       static_cast<int>(Number(parameters, "delay_samples", 0.0)), notches);
+  const auto modes = FilteredLoopModes(PlantOf(parameters), parameters.NumberOr("k_V", 9.7),
+                                       static_cast<int>(parameters.NumberOr("delay_samples", 0.0)), notches);
   if (!modes.ok()) return modes.failure();
   return Figure{static_cast<double>(std::count_if(modes->begin(), modes->end(),
                                                   [](const auto& mode) { return mode.growth_per_s > 0.0; })),
@@ -76,12 +66,12 @@ Result<Figure> UnstableModes(const Registry&, const Value& parameters) {
 /// The lowest or highest frequency (`end`) of a filter around `near_Hz`, in steps of 0.5 Hz, with which the loop is
 /// stable while the other filter stands at `other_Hz`.
 Result<Figure> NotchRange(const Registry&, const Value& parameters) {
-  const double near = Number(parameters, "near_Hz", 832.0), other = Number(parameters, "other_Hz", 605.5);
-  const double step = Text(parameters, "end") == "low" ? -0.5 : 0.5, r = Number(parameters, "radius", 0.995);
+  const double near = parameters.NumberOr("near_Hz", 832.0), other = parameters.NumberOr("other_Hz", 605.5);
+  const double step = parameters.TextOr("end") == "low" ? -0.5 : 0.5, r = parameters.NumberOr("radius", 0.995);
   const SuppressionPlant plant = PlantOf(parameters);
   double last = std::numeric_limits<double>::quiet_NaN();
   for (double f = near; std::abs(f - near) < 50.0; f += step) {
-    const auto modes = FilteredLoopModes(plant, Number(parameters, "k_V", 9.7), 0, {NotchAt(f, r), NotchAt(other, r)});
+    const auto modes = FilteredLoopModes(plant, parameters.NumberOr("k_V", 9.7), 0, {NotchAt(f, r), NotchAt(other, r)});
     if (!modes.ok()) return modes.failure();
     if (modes->front().growth_per_s >= 0.0) break;
     last = f;
@@ -92,14 +82,14 @@ Result<Figure> NotchRange(const Registry&, const Value& parameters) {
 /// Abs of the open loop at the mode nearest to `near_Hz` where its phase passes -180 degrees: the gain margin is its
 /// inverse.
 Result<Figure> LoopGainAtPhaseCrossing(const Registry&, const Value& parameters) {
-  const double near = Number(parameters, "near_Hz", 605.0);
+  const double near = parameters.NumberOr("near_Hz", 605.0);
   std::vector<double> f;
   for (double x = near - 12.0; x <= near + 12.0; x += 0.05) f.push_back(x);
   std::vector<control10k::NotchCoefficients> notches;
   for (const char* key : {"notch_1_Hz", "notch_2_Hz"}) {
-    if (const double at = Number(parameters, key, 0.0); at > 0.0) notches.push_back(NotchAt(at, 0.995));
+    if (const double at = parameters.NumberOr(key, 0.0); at > 0.0) notches.push_back(NotchAt(at, 0.995));
   }
-  const auto loop = OpenLoop(PlantOf(parameters), Number(parameters, "k_V", 9.7), 0, notches, f);
+  const auto loop = OpenLoop(PlantOf(parameters), parameters.NumberOr("k_V", 9.7), 0, notches, f);
   if (!loop.ok()) return loop.failure();
   double largest = 0.0;
   for (std::size_t i = 1; i < f.size(); ++i) {
@@ -133,7 +123,7 @@ Result<Figure> OffsetError(const Registry&, const Value&) {
 /// Largest relative error of (5.28) up to `within` bins, N = 100 as in Fig. 5.14.
 Result<Figure> LobeError(const Registry&, const Value& parameters) {
   double worst = 0.0;
-  const double within = Number(parameters, "within", 0.5);
+  const double within = parameters.NumberOr("within", 0.5);
   for (double d = 0.0; d <= within + 1e-9; d += 0.001) {
     worst = std::max(worst, std::abs(control10k::BlackmanLobe(d) / (ExactLobe(d, 100) / ExactLobe(0.0, 100)) - 1.0));
   }
@@ -142,7 +132,7 @@ Result<Figure> LobeError(const Registry&, const Value& parameters) {
 
 /// Condition 3 on a clean tone: the offset from which 5 % on both neighbours rejects it.
 Result<Figure> FirstRejected(const Registry&, const Value& parameters) {
-  const double tolerance = Number(parameters, "tolerance", 0.05);
+  const double tolerance = parameters.NumberOr("tolerance", 0.05);
   for (double d = 0.0; d <= 0.5; d += 0.0005) {
     const double m[3] = {ExactLobe(d + 1, kBlock), ExactLobe(d, kBlock), ExactLobe(d - 1, kBlock)};
     control10k::Peak peak;
@@ -158,7 +148,7 @@ Result<Figure> FirstRejected(const Registry&, const Value& parameters) {
 /// Quantile of the estimator's errors over 4000 random tones (160 ... 1790 Hz, 20 ... 1000 N m, any phase, white noise
 /// of `noise` times the amplitude): `of` = frequency [Hz] or amplitude [relative].
 Result<Figure> EstimatorError(const Registry&, const Value& parameters) {
-  const double noise = Number(parameters, "noise", 0.01), quantile = Number(parameters, "quantile", 0.5);
+  const double noise = parameters.NumberOr("noise", 0.01), quantile = parameters.NumberOr("quantile", 0.5);
   control10k::GoertzelTables tables;
   control10k::MakeTables(kBlock, kBins, tables);
   std::vector<double> errors;
@@ -173,17 +163,17 @@ Result<Figure> EstimatorError(const Registry&, const Value& parameters) {
     double m[control10k::kMaxBins];
     bank.Magnitudes(tables, m);
     const control10k::Peak peak = control10k::FindPeak(m, kBins, kBlock, kPeriod_s);
-    errors.push_back(Text(parameters, "of") == "amplitude" ? std::abs(peak.amplitude / a - 1.0)
-                                                           : std::abs(peak.frequency_Hz - f));
+    errors.push_back(parameters.TextOr("of") == "amplitude" ? std::abs(peak.amplitude / a - 1.0)
+                                                            : std::abs(peak.frequency_Hz - f));
   }
   std::sort(errors.begin(), errors.end());
   const auto place = static_cast<std::size_t>(quantile * static_cast<double>(errors.size() - 1));
-  return Figure{errors[place], Text(parameters, "of") == "amplitude" ? "1" : "Hz"};
+  return Figure{errors[place], parameters.TextOr("of") == "amplitude" ? "1" : "Hz"};
 }
 
 /// (D.7) against the response of the filter as it runs: relative difference.
 Result<Figure> NyquistGainStudy(const Registry&, const Value& parameters) {
-  const double f = Number(parameters, "f_Hz", 156.0), r = Number(parameters, "radius", 0.995);
+  const double f = parameters.NumberOr("f_Hz", 156.0), r = parameters.NumberOr("radius", 0.995);
   return Figure{control10k::NyquistGain(kTurn * f * kPeriod_s, r), "1"};
 }
 
@@ -236,9 +226,9 @@ Result<bool> ExplainsBoth(double tau, double direct, int delay) {
 /// How many of the first-order lags from 0.05 to 4 ms with 0 to 2 samples of delay explain both; with `direct` > 0 the
 /// lags of which that part of the torque follows at once.
 Result<Figure> LagsExplainingBoth(const Registry&, const Value& parameters) {
-  const double direct = Number(parameters, "direct", 0.0);
+  const double direct = parameters.NumberOr("direct", 0.0);
   int count = 0;
-  for (int delay = 0; delay <= static_cast<int>(Number(parameters, "delays", 2.0)); ++delay) {
+  for (int delay = 0; delay <= static_cast<int>(parameters.NumberOr("delays", 2.0)); ++delay) {
     for (double tau = 5e-5; tau < 4e-3; tau *= 1.1) {
       const Result<bool> good = ExplainsBoth(tau, direct, delay);
       if (!good.ok()) return good.failure();
@@ -252,12 +242,12 @@ Result<Figure> LagsExplainingBoth(const Registry&, const Value& parameters) {
 /// there: what Appendix E builds on. Shift in Hz for a radius `radius`.
 Result<Figure> ProbeShift(const Registry&, const Value& parameters) {
   const SuppressionPlant plant = PlantOf(parameters);
-  const auto before = FilteredLoopModes(plant, Number(parameters, "k_V", 9.7), 0, {});
+  const auto before = FilteredLoopModes(plant, parameters.NumberOr("k_V", 9.7), 0, {});
   if (!before.ok()) return before.failure();
   const double f = before->front().frequency_hz;
   const auto after =
-      FilteredLoopModes(plant, Number(parameters, "k_V", 9.7), 0,
-                        {NotchAt(f + Number(parameters, "miss_Hz", 0.0), Number(parameters, "radius", 0.999))});
+      FilteredLoopModes(plant, parameters.NumberOr("k_V", 9.7), 0,
+                        {NotchAt(f + parameters.NumberOr("miss_Hz", 0.0), parameters.NumberOr("radius", 0.999))});
   if (!after.ok()) return after.failure();
   double nearest = INFINITY;
   std::vector<FilteredLoopMode> ordered = *after;
@@ -273,7 +263,7 @@ Result<Figure> ProbeShift(const Registry&, const Value& parameters) {
 Result<Figure> LastOscillation(const Registry& registry, const Value& parameters) {
   Diagnostics diagnostics;
   std::unique_ptr<Prepared> prepared;
-  for (const std::string& file : FindScenarios(Text(parameters, "scenario"), diagnostics)) {
+  for (const std::string& file : FindScenarios(parameters.TextOr("scenario"), diagnostics)) {
     prepared = Prepare(file, {}, registry, diagnostics);
   }
   if (prepared == nullptr) return Wrong(diagnostics.Format());
@@ -282,13 +272,13 @@ Result<Figure> LastOscillation(const Registry& registry, const Value& parameters
   if (!solver.ok()) return solver.failure();
   const Result<Samples> samples = Simulate(rig, **solver);
   if (!samples.ok()) return samples.failure();
-  const int output = FindOutput(rig, Text(parameters, "signal"));
+  const int output = FindOutput(rig, parameters.TextOr("signal"));
   if (output < 0) return Wrong("the scenario has no such output");
   const std::vector<double>& values = samples->outputs[static_cast<std::size_t>(output)];
   const double period = rig.run.period_s;
   const auto count = std::min(values.size(), static_cast<std::size_t>(std::lround(0.1 / period)));
   const double* last = values.data() + values.size() - count;
-  if (Text(parameters, "quantity") == "amplitude") {
+  if (parameters.TextOr("quantity") == "amplitude") {
     double largest = 0.0;
     for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(last[i]));
     return Figure{largest, "N m"};

@@ -10,11 +10,6 @@ std::string LawOf(const Value& shaft) {
   return law == nullptr ? "spring_damper" : law->is_string() ? law->string() : "";
 }
 
-double NumberOf(const Value& shaft, const char* key) {
-  const Value* value = shaft.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : 0.0;
-}
-
 bool HasUndampedPlay(const Value& shaft) {
   const std::string law = LawOf(shaft);
   return law == "dead_zone" || law == "revised_dead_zone" || law == "phase_plane";
@@ -51,12 +46,12 @@ class BacklashOnShaft : public Effect {
   }
   std::vector<Place> Places(const Plan& plan) const override {
     return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) {
-      return LawOf(shaft) == "spring_damper" && NumberOf(shaft, "stiffness_Nm_per_rad") > 0.0;
+      return LawOf(shaft) == "spring_damper" && shaft.NumberOr("stiffness_Nm_per_rad", 0.0) > 0.0;
     });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = ShaftAt(plan, place);
-    Replace(shaft["law"], Value(NumberOf(shaft, "damping_Nms_per_rad") > 0.0 ? "phase_plane" : "dead_zone"));
+    Replace(shaft["law"], Value(shaft.NumberOr("damping_Nms_per_rad", 0.0) > 0.0 ? "phase_plane" : "dead_zone"));
     shaft["half_gap_rad"] = Value(parameters[0]);
   }
 };
@@ -70,7 +65,8 @@ class GapChangeOfShaft : public Effect {
              {{"delta", "1", "relative error of the gap", -0.9, 4.0, 0.0, 0.02}}};
   }
   std::vector<Place> Places(const Plan& plan) const override {
-    return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) { return NumberOf(shaft, "half_gap_rad") > 0.0; });
+    return ShaftsThat(PlantOf(plan), plan,
+                      [](const Value& shaft) { return shaft.NumberOr("half_gap_rad", 0.0) > 0.0; });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& gap = ShaftAt(plan, place)["half_gap_rad"];
