@@ -8,15 +8,6 @@
 namespace dynoproof {
 namespace {
 
-double NumberAt(const Value& table, const char* key, double fallback) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_number() ? value->number() : fallback;
-}
-std::string TextAt(const Value& table, const char* key) {
-  const Value* value = table.Find(key);
-  return value != nullptr && value->is_string() ? value->string() : "";
-}
-
 const Value::Table& ShaftsOf(const Plan& plan) {
   static const Value::Table none;
   const Value* shafts = plan.root.FindPath("plant.shaft");
@@ -27,7 +18,7 @@ const Value::Table& ShaftsOf(const Plan& plan) {
 
 void AddCouplings(const Prepared& prepared, const Course&, RunPictures& pictures) {
   for (const Value::Entry& shaft : ShaftsOf(prepared.plan)) {
-    const std::string law = TextAt(shaft.value, "law");
+    const std::string law = shaft.value.TextOr("law");
     if (law != "oil_coupling" && law != "kelvin_voigt") continue;
     Picture k{.key = "coupling_k",
               .title = fmt::format("Stiffness of \"{}\" under a steady sine", shaft.key),
@@ -52,10 +43,10 @@ void AddCouplings(const Prepared& prepared, const Course&, RunPictures& pictures
     c.curves.push_back(std::move(damping));
     const Value* checks = prepared.plan.root.Find("check");
     for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
-      if (TextAt(check, "kind") != "coupling" || TextAt(check, "shaft") != shaft.key) continue;
-      const double nu = NumberAt(check, "nu_rad_per_s", 0.0);
-      k.curves.push_back({"checked", {nu}, {NumberAt(check, "stiffness_Nm_per_rad", 0.0)}, Curve::Style::kCircles});
-      c.curves.push_back({"checked", {nu}, {NumberAt(check, "damping_Nms_per_rad", 0.0)}, Curve::Style::kCircles});
+      if (check.TextOr("kind") != "coupling" || check.TextOr("shaft") != shaft.key) continue;
+      const double nu = check.NumberOr("nu_rad_per_s", 0.0);
+      k.curves.push_back({"checked", {nu}, {check.NumberOr("stiffness_Nm_per_rad", 0.0)}, Curve::Style::kCircles});
+      c.curves.push_back({"checked", {nu}, {check.NumberOr("damping_Nms_per_rad", 0.0)}, Curve::Style::kCircles});
     }
     for (Picture* picture : {&k, &c}) pictures.pictures.push_back(std::move(*picture));
   }
