@@ -10,12 +10,14 @@ install(FILES reports/run.schema.json DESTINATION share/dynoproof)
 install(FILES LICENSE README.md ci/copyright DESTINATION share/doc/dynoproof)
 install(DIRECTORY bench/campaigns DESTINATION share/doc/dynoproof/examples PATTERN blind.toml EXCLUDE)
 
-# What a plugin of somebody else's needs: headers and libraries of base, linear and model.
-foreach(layer base linear model control10k)
+# What a plugin of somebody else's needs: headers and libraries of base, linear, model and score, and what a check sees
+# of a run.
+foreach(layer base linear model score control10k)
   install(DIRECTORY engine/${layer} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dynoproof FILES_MATCHING PATTERN "*.h")
 endforeach()
+install(FILES engine/experiment/check.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dynoproof/experiment)
 install(FILES ${PROJECT_BINARY_DIR}/generated/model/abi_stamp.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/dynoproof/model)
-install(TARGETS dynoproof_base dynoproof_linear dynoproof_model dynoproof_control10k EXPORT dynoproof DESTINATION ${CMAKE_INSTALL_LIBDIR}/dynoproof)
+install(TARGETS dynoproof_base dynoproof_linear dynoproof_model dynoproof_score dynoproof_control10k EXPORT dynoproof DESTINATION ${CMAKE_INSTALL_LIBDIR}/dynoproof)
 install(EXPORT dynoproof NAMESPACE dynoproof:: FILE dynoproofTargets.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/dynoproof)
 file(WRITE ${PROJECT_BINARY_DIR}/dynoproofConfig.cmake

@@ -112,15 +112,12 @@ std::string More(const std::string& summary, const std::string& html) {
 
 RunPage::RunPage(std::size_t scenarios) : scenarios_(std::max<std::size_t>(1, scenarios)) {}
 
-void RunPage::Add(const Prepared& prepared, const Course& course, CheckContext& context, const ScenarioResult& result) {
+void RunPage::Add(const Prepared& prepared, const Course& course, const ScenarioResult& result) {
   Part part;
   if (const Value* source = prepared.plan.root.Find("source"); source != nullptr && source->is_string()) {
     part.source = source->string();
   }
-  // A run that a record drives is compared with the record alone: the scenario's own references saw other inputs.
-  const bool by_record = std::any_of(result.checks.begin(), result.checks.end(),
-                                     [](const Check& check) { return check.kind == "record"; });
-  const RunPictures run = PicturesOf(prepared, course, by_record ? nullptr : &context);
+  const RunPictures run = PicturesOf(prepared, course, result.checks);
   // 20 million samples cost 55 MB. What did not pass is looked at closely and kept in full, until that is too much,
   // too.
   bool in_full = result.verdict != Verdict::kPass;

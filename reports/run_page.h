@@ -18,7 +18,7 @@ class RunPage {
   explicit RunPage(std::size_t scenarios);
 
   /// Takes what there is to see of a run. May be called from several threads; the course is not needed afterwards.
-  void Add(const Prepared& prepared, const Course& course, CheckContext& context, const ScenarioResult& result);
+  void Add(const Prepared& prepared, const Course& course, const ScenarioResult& result);
 
   /// The page over all results; those never added (broken runs) have their reason instead of pictures.
   std::string Finish(const std::vector<ScenarioResult>& results) const;

@@ -66,6 +66,7 @@ bool ColourOn(int descriptor) {
 std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics) {
   auto registry = std::make_unique<Registry>();
   RegisterBuiltIns(*registry);
+  RegisterChecks(*registry);
 #ifdef DYNOPROOF_THESIS
   RegisterThesis(*registry);
 #endif

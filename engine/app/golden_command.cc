@@ -181,7 +181,7 @@ int Bless(const BlessArguments& arguments) {
   // An oracle outranks a golden trace, and a published figure both: a run that they refuse is not made golden.
   std::string failing;
   for (const score::Check& check : result.checks) {
-    if (check.verdict == score::Verdict::kPass || check.name.starts_with("golden")) continue;
+    if (check.verdict == score::Verdict::kPass || IsOfGolden(check)) continue;
     failing += fmt::format("  {}: {}\n", check.name, check.explanation);
   }
   if (!failing.empty()) return refuse("other checks of the scenario fail:\n" + failing);

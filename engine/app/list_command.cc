@@ -45,9 +45,9 @@ int List(const Common& common) {
     document["effects"].push_back({{"name", effect->info().name}, {"law", effect->info().law}});
   }
   text += "\nchecks\n";
-  for (const CheckKindInfo& kind : CheckKinds()) {
-    text += fmt::format("  {:<36} {}\n", kind.name, kind.summary);
-    document["checks"].push_back({{"kind", kind.name}, {"summary", kind.summary}});
+  for (const CheckKind* kind : registry->Checks()) {
+    text += fmt::format("  {:<36} {}\n", kind->name, kind->summary);
+    document["checks"].push_back({{"kind", kind->name}, {"summary", kind->summary}});
   }
   Print(common, text);
   KeepJson(std::move(document));
@@ -146,12 +146,12 @@ std::string DescribePlugins(const Registry& registry, const std::string& name, n
     text += Indented("in a scenario, e.g. that of `dynoproof new scenario`", example);
     document["plugins"].back()["example"] = example;
   }
-  for (const CheckKindInfo& kind : CheckKinds()) {
-    if (name != kind.name && name != "check." + kind.name) continue;
-    text += fmt::format("check.{}: {}\n\nparameters (type, unit, range, default)\n{}\n", kind.name, kind.summary,
-                        ParameterTable(kind.parameters));
+  for (const CheckKind* kind : registry.Checks()) {
+    if (name != kind->name && name != "check." + kind->name) continue;
+    text += fmt::format("check.{}: {}\n\nparameters (type, unit, range, default)\n{}\n", kind->name, kind->summary,
+                        ParameterTable(kind->parameters));
     document["checks"].push_back(
-        {{"kind", kind.name}, {"summary", kind.summary}, {"parameters", ToJson(kind.parameters)}});
+        {{"kind", kind->name}, {"summary", kind->summary}, {"parameters", ToJson(kind->parameters)}});
   }
   return text;
 }

@@ -72,18 +72,24 @@ std::string BuiltFrom() {
 
 using Files = std::vector<std::pair<std::string, std::string>>;
 
-/// A library of one law or effect, and a scenario that uses it.
+/// A library of one law, effect or kind of check, and a scenario that uses it.
 Files PluginFolder(const std::string& what, const std::string& name) {
   std::string scenario = kScenarioTemplate;
   if (what == "law") {
     const std::string shaft = "stiffness_Nm_per_rad = 2.5e5\n";
     scenario = Replace(scenario, shaft, shaft + kLawUse);
   } else {
-    scenario += kEffectUse;
+    scenario += what == "check" ? kCheckUse : kEffectUse;
   }
-  return {{name + "/CMakeLists.txt", kPluginCmake},
-          {name + "/" + name + ".cc", what == "law" ? kLawTemplate : kEffectTemplate},
-          {name + "/" + name + ".toml", scenario}};
+  const char* const source = what == "law" ? kLawTemplate : what == "check" ? kCheckTemplate : kEffectTemplate;
+  Files files = {{name + "/CMakeLists.txt", Replace(kPluginCmake, "@LIBRARY@", what == "check" ? "score" : "model")},
+                 {name + "/" + name + ".cc", source},
+                 {name + "/" + name + ".toml", scenario}};
+  if (what == "check") {
+    files.insert(files.begin(), {name + "/README.md", kCheckReadme});
+    files.emplace_back(name + "/" + name + ".h", kCheckHeader);
+  }
+  return files;
 }
 
 /// A folder to be put under git: a scenario with a golden trace, pipelines, a README.
@@ -164,13 +170,14 @@ void AddNew(CLI::App& program, int& exit) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("new", "a template that already runs and passes, or builds and loads");
-  command->add_option("what", arguments->what, "scenario, law, effect or project")
+  command->add_option("what", arguments->what, "scenario, law, effect, check or project")
       ->required()
-      ->check(CLI::IsMember({"scenario", "law", "effect", "project"}));
+      ->check(CLI::IsMember({"scenario", "law", "effect", "check", "project"}));
   command->add_option("name", arguments->name, "its name")->required();
   AddCommon(*command, arguments->common);
   AddExamples(*command,
-              "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new project pumps");
+              "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new check calm\n"
+              "  dynoproof new project pumps");
   command->callback([arguments, &exit] { exit = New(arguments->common, arguments->what, arguments->name); });
 }
 

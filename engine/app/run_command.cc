@@ -86,8 +86,8 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
       return true;
     };
     if (!arguments.html.empty()) {
-      options.seen = [&, i](const Course& course, CheckContext& context, const ScenarioResult& result) {
-        page.Add(*scenarios[i], course, context, result);
+      options.seen = [&, i](const Course& course, const ScenarioResult& result) {
+        page.Add(*scenarios[i], course, result);
       };
     }
     ScenarioResult result;

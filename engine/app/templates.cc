@@ -83,7 +83,7 @@ if(NOT CMAKE_BUILD_TYPE)
 endif()
 find_package(dynoproof REQUIRED)
 add_library(@NAME@ MODULE @NAME@.cc)
-target_link_libraries(@NAME@ PRIVATE dynoproof::model)
+target_link_libraries(@NAME@ PRIVATE dynoproof::@LIBRARY@)
 set_target_properties(@NAME@ PROPERTIES PREFIX "")
 )cmake";
 
@@ -162,6 +162,89 @@ class @CLASS@ : public dynoproof::Effect {
 DYNOPROOF_PLUGIN(registry) { registry.Add(std::make_unique<@CLASS@>()); }
 )template";
 
+const char* const kCheckHeader =
+    R"template(// Check @NAME@: the mean square of an output, over a stretch of the run, stays below a limit.
+#pragma once
+
+#include <experiment/check.h>
+#include <string>
+#include <utility>
+#include <vector>
+
+class @CLASS@ : public dynoproof::CheckPlan {
+ public:
+  struct Params {
+    std::string signal, origin;
+    double rms = 0.0, from_s = 0.0;
+    void Visit(auto& v) {
+      v.Required("signal", signal, dynoproof::Any(), "output that is judged");
+      v.Required("rms", rms, dynoproof::Positive("1"), "largest root mean square, in the signal's unit");
+      v.Optional("from_s", from_s, dynoproof::NonNegative("s"), "judged from here to the end");
+      v.Required("origin", origin, dynoproof::Any(), "why this limit");
+    }
+  };
+  static constexpr const char* kName = "@NAME@";
+  static constexpr const char* kSummary = "the root mean square of an output stays below a limit";
+
+  explicit @CLASS@(Params params) : p_(std::move(params)) {}
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
+  std::vector<dynoproof::score::Check> Run(dynoproof::CheckContext& context) const override;
+
+ private:
+  Params p_;
+};
+)template";
+
+const char* const kCheckTemplate =
+    R"template(#include "@NAME@.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <model/plugin_loader.h>
+
+namespace score = dynoproof::score;
+
+std::vector<score::Check> @CLASS@::Run(dynoproof::CheckContext& context) const {
+  const dynoproof::RunSignal signal = *context.Find(p_.signal);  // Signals() has seen to it that it is there
+  const auto& [time_s, values, interpolation] = signal.series;
+  const auto first = std::lower_bound(time_s.begin(), time_s.end(), p_.from_s) - time_s.begin();
+  const score::Series judged{time_s.subspan(first), values.subspan(first), interpolation};
+  // Nothing to judge, or a NaN in it, is no number: AtMost() then fails and says so.
+  const bool sound = score::FaultOf(judged, p_.signal).empty();
+  const double rms = sound ? score::RootMeanSquare(judged.values) : std::numeric_limits<double>::quiet_NaN();
+  context.figures[p_.signal + "_rms"] = {rms, signal.unit};
+  score::Check check = score::AtMost("@NAME@ " + p_.signal, kName, rms, p_.rms, signal.unit, p_.origin);
+  // What was judged, for the pictures of the report: the output against zero, within the limit.
+  const std::vector<double> zeros(judged.values.size(), 0.0);
+  check.evidence = score::BandEvidence({p_.signal, signal.unit, "zero", "run"}, score::Evidence::Rule::kRms,
+                                       {judged.time_s, zeros}, judged, p_.rms);
+  return {check};
+}
+
+DYNOPROOF_PLUGIN(registry) { registry.AddCheck<@CLASS@>(); }
+)template";
+
+const char* const kCheckReadme = R"text(# @NAME@
+
+A kind of check of your own, in a shared library. `@NAME@.h` declares its parameters, `@NAME@.cc` judges, `@NAME@.toml`
+is a scenario that states it:
+
+```sh
+cmake -S . -B build -DCMAKE_PREFIX_PATH="@PREFIX@" && cmake --build build
+dynoproof describe @NAME@ --plugin build/@NAME@.so
+dynoproof run @NAME@.toml --plugin build/@NAME@.so
+```
+
+- `Params::Visit` names each key of the `[[check]]` table with its range: faults are reported at their place, before
+  anything runs. `Signals()` and `Inputs()` name what the scenario must have.
+- `Run` gets a `dynoproof::CheckContext` (`experiment/check.h`): `plan()`, `solver()`, `Find(NAME)` for the samples, unit and
+  nominal of an input or output, `figures` for what it found out besides.
+- It gives at least one `score::Check`; `AtMost` and `AtLeast` fail on what is no number. Each limit has an `origin`, which
+  says why it is what it is.
+- A check that compares two courses hands on its evidence (`score/evidence.h`): the report draws what was judged.
+)text";
+
 const char* const kLawUse = R"toml(law = "@NAME@"
 limit_Nm = 20.0
 )toml";
@@ -171,6 +254,14 @@ const char* const kEffectUse = R"toml(
 name = "@NAME@"
 at = "inertia:I3"
 parameters = { I_extra = 0.1 }
+)toml";
+
+const char* const kCheckUse = R"toml(
+[[check]]
+kind = "@NAME@"
+signal = "T_shaft"
+rms = 90.0
+origin = "what the flange bears for long"
 )toml";
 
 const char* const kGoldenUse = R"toml(

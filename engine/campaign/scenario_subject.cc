@@ -212,7 +212,7 @@ class ScenarioSubject : public Subject {
     Status lost;
     RunOptions options;
     options.out = "";
-    options.seen = [&](const Course& course, CheckContext&, const ScenarioResult& result) {
+    options.seen = [&](const Course& course, const ScenarioResult& result) {
       TakeFigures(*prepared, course.samples, result, row);
       const bool wanted =
           options_.keep_traces == "all" || (options_.keep_traces == "failing" && row.verdict != score::Verdict::kPass);

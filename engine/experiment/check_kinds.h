@@ -31,7 +31,7 @@ class ResonancesCheck : public CheckPlan {
   static constexpr const char* kRelativeLimits[] = {"tolerance_gain"};
   static constexpr const char* kSummary = "peaks of the chirp run against the frequency response of [analysis]";
   explicit ResonancesCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {}; }
+  std::vector<std::string> Signals() const override { return {}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -58,7 +58,7 @@ class PeakCheck : public CheckPlan {
   static constexpr const char* kName = "peak";
   static constexpr const char* kSummary = "the largest tone of an output lies between two frequencies";
   explicit PeakCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -84,8 +84,8 @@ class FollowsCheck : public CheckPlan {
   static constexpr const char* kName = "follows";
   static constexpr const char* kSummary = "an output stays close to an input";
   explicit FollowsCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
-  std::vector<std::string> Inputs() const { return {p_.reference}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
+  std::vector<std::string> Inputs() const override { return {p_.reference}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -110,7 +110,7 @@ class WindowsCheck : public CheckPlan {
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference` in windows that restart from its state";
   explicit WindowsCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -127,7 +127,7 @@ class GoldenCheck : public CheckPlan {
   static constexpr const char* kSummary =
       "the trace against the golden one that `bless` keeps, within the tolerances beside that";
   explicit GoldenCheck(Params) {}
-  std::vector<std::string> Signals() const { return {}; }
+  std::vector<std::string> Signals() const override { return {}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 };
 

@@ -76,7 +76,11 @@ std::vector<score::Check> FollowsCheck::Run(CheckContext& context) const {
     largest = distance;
     when = signal.time_s[i];
   }
-  return {score::AtMost(name, kName, largest, p_.largest, unit, p_.origin, fmt::format("farthest at {:.4f} s", when))};
+  score::Check check =
+      score::AtMost(name, kName, largest, p_.largest, unit, p_.origin, fmt::format("farthest at {:.4f} s", when));
+  check.evidence = score::BandEvidence({p_.signal, unit, p_.reference, "run"}, score::Evidence::Rule::kEverySample,
+                                       wanted, signal, p_.largest);
+  return {check};
 }
 
 }  // namespace dynoproof

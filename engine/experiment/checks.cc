@@ -70,6 +70,19 @@ double RelativeDistance(const Samples& reference, const Samples& test, int outpu
   return spread > 0.0 ? std::sqrt(error / count / spread) : std::numeric_limits<double>::quiet_NaN();
 }
 
+CheckContext::CheckContext(const Plan& plan, const Rig& rig, const Samples& samples, const std::string& solver)
+    : plan_(plan), rig_(rig), samples_(samples), solver_(solver) {}
+
+CheckContext::~CheckContext() = default;
+
+std::optional<RunSignal> CheckContext::Find(const std::string& name) const {
+  const int output = FindOutput(rig_, name), input = FindInput(rig_, name);
+  if (output < 0 && input < 0) return std::nullopt;
+  RunSignal signal{.series = {}, .unit = output >= 0 ? rig_.outputs[output].unit : rig_.inputs[input].unit};
+  signal.series = SeriesOf(samples_, rig_, name, &signal.nominal);
+  return signal;
+}
+
 const Result<Samples>& CheckContext::Other() {
   if (other_ == nullptr) {
     Result<std::unique_ptr<Solver>> solver = MakeSolver(solver_ == "reference" ? "realtime" : "reference", rig_);
@@ -99,10 +112,10 @@ Result<std::vector<double>> CheckContext::Oracle(const std::string& oracle, cons
 
 namespace {
 
-/// NRMSE of a run's signal against a reference, with the reason when it is too large.
+/// NRMSE of two courses of a signal, with the reason when it is too large. `who`: names of reference and test.
 score::Check CompareNrmse(const CheckContext& context, const std::string& signal, const score::Series& reference,
-                          const score::Series& test, double limit, std::string name, std::string kind,
-                          const std::string& origin) {
+                          const score::Series& test, const std::pair<std::string, std::string>& who, double limit,
+                          std::string name, std::string kind, const std::string& origin) {
   score::NrmseOptions options;
   options.limit = limit;
   options.constant_limit = limit;
@@ -110,11 +123,13 @@ score::Check CompareNrmse(const CheckContext& context, const std::string& signal
   const score::NrmseResult result = score::Nrmse(reference, test, options);
   score::Check check = score::NrmseCheck(result, options, std::move(name), origin);
   check.kind = std::move(kind);
-  if (check.verdict != score::Verdict::kPass && score::FaultOf(reference, "reference").empty()) {
-    const int output = FindOutput(context.rig(), signal);
-    check.explanation = Why(reference, test, limit * score::StandardDeviation(reference.values),
-                            output >= 0 ? context.rig().outputs[output].unit : "");
-  }
+  if (!score::FaultOf(reference, "reference").empty()) return check;
+  const int output = FindOutput(context.rig(), signal);
+  const std::string unit = output >= 0 ? context.rig().outputs[output].unit : "";
+  const double allowed = limit * score::StandardDeviation(reference.values);
+  if (check.verdict != score::Verdict::kPass) check.explanation = Why(reference, test, allowed, unit);
+  check.evidence =
+      score::BandEvidence({signal, unit, who.first, who.second}, score::Evidence::Rule::kRms, reference, test, allowed);
   return check;
 }
 
@@ -147,7 +162,7 @@ class SolversCheck : public CheckPlan {
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference`";
   explicit SolversCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
 
   std::vector<score::Check> Run(CheckContext& context) const override {
     const std::string name = "solvers " + p_.signal;
@@ -159,8 +174,9 @@ class SolversCheck : public CheckPlan {
     for (const auto& [counter, count] : own_is_reference ? context.samples().counters : other->counters) {
       context.figures["reference." + counter] = {static_cast<double>(count), "1"};
     }
-    return {CompareNrmse(context, p_.signal, own_is_reference ? own : others, own_is_reference ? others : own, p_.nrmse,
-                         name, kName, p_.origin)};
+    const auto who = own_is_reference ? std::pair("run", "realtime") : std::pair("reference", "run");
+    return {CompareNrmse(context, p_.signal, own_is_reference ? own : others, own_is_reference ? others : own, who,
+                         p_.nrmse, name, kName, p_.origin)};
   }
 
  private:
@@ -212,7 +228,7 @@ class OracleCheck : public CheckPlan {
   static constexpr const char* kRelativeLimits[] = {"nrmse"};
   static constexpr const char* kSummary = "the run against an independent reference";
   explicit OracleCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
 
   std::vector<score::Check> Run(CheckContext& context) const override {
     const std::string name = fmt::format("{} {}", p_.oracle, p_.signal);
@@ -229,7 +245,7 @@ class OracleCheck : public CheckPlan {
         series->values = series->values.first(rows);
       }
     }
-    return {CompareNrmse(context, p_.signal, exact, own, limit.nrmse, name, kName, limit.origin)};
+    return {CompareNrmse(context, p_.signal, exact, own, {p_.oracle, "run"}, limit.nrmse, name, kName, limit.origin)};
   }
 
   void Applies(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) const override {
@@ -256,22 +272,53 @@ class OracleCheck : public CheckPlan {
   Params p_;
 };
 
-std::map<std::string, CheckKind>& Kinds() {
-  static std::map<std::string, CheckKind> kinds = [] {
-    std::map<std::string, CheckKind> own;
-    for (CheckKind kind : {MakeCheckKind<FollowsCheck>(), MakeCheckKind<GoldenCheck>(), MakeCheckKind<OracleCheck>(),
-                           MakeCheckKind<PeakCheck>(), MakeCheckKind<ResonancesCheck>(), MakeCheckKind<SolversCheck>(),
-                           MakeCheckKind<WindowsCheck>()}) {
-      own.emplace(kind.info.name, std::move(kind));
-    }
-    return own;
-  }();
-  return kinds;
+/// Reports a signal that the check looks at and the scenario does not have. `key`: where the check names it.
+void NoSignal(const Value& table, const char* key, std::string fault, std::string instead, Diagnostics& diagnostics) {
+  const Value* where = table.Find(key);
+  diagnostics.Error(where != nullptr ? where->where() : table.where(), std::move(fault), std::move(instead));
+}
+
+/// Whether the scenario has what the check looks at; what is missing becomes an error.
+bool HasWhatItNeeds(const CheckKind& kind, const CheckPlan& check, const Value& table, const Plan& plan, const Rig& rig,
+                    Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  if (kind.needs_analysis && plan.root.Find("analysis") == nullptr) {
+    diagnostics.Error(table.where(), fmt::format("a check of kind \"{}\" needs the section [analysis]", kind.name),
+                      "add [analysis] with input and output");
+  }
+  for (const std::string& input : check.Inputs()) {
+    if (FindInput(rig, input) >= 0) continue;
+    std::vector<std::string> names;
+    for (const InputLine& line : rig.inputs) names.push_back(line.name);
+    NoSignal(table, "reference", fmt::format("there is no input \"{}\" to follow", input),
+             fmt::format("inputs: {}", fmt::join(names, ", ")), diagnostics);
+  }
+  for (const std::string& signal : check.Signals()) {
+    if (FindOutput(rig, signal) >= 0) continue;
+    std::vector<std::string> names;
+    for (const OutputLine& line : rig.outputs) names.push_back(line.name);
+    const std::optional<std::string> near = Closest(signal, names);
+    NoSignal(table, "signal", fmt::format("there is no output \"{}\" to check", signal),
+             near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("outputs: {}", fmt::join(names, ", ")),
+             diagnostics);
+  }
+  return diagnostics.error_count() == before;
 }
 
 }  // namespace
 
-std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& rig, Diagnostics& diagnostics) {
+void RegisterChecks(Registry& registry) {
+  registry.AddCheck<FollowsCheck>();
+  registry.AddCheck<GoldenCheck>();
+  registry.AddCheck<OracleCheck>();
+  registry.AddCheck<PeakCheck>();
+  registry.AddCheck<ResonancesCheck>();
+  registry.AddCheck<SolversCheck>();
+  registry.AddCheck<WindowsCheck>();
+}
+
+std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& rig, const Registry& registry,
+                                                   Diagnostics& diagnostics) {
   std::vector<std::unique_ptr<CheckPlan>> checks;
   const Value* tables = plan.root.Find("check");
   if (tables == nullptr) return checks;
@@ -280,27 +327,41 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
     return checks;
   }
   std::vector<std::string> names;
-  for (const auto& [name, kind] : Kinds()) names.push_back(name);
+  for (const CheckKind* kind : registry.Checks()) names.push_back(kind->name);
   for (const Value& table : tables->array()) {
     const Value* name = table.Find("kind");
     if (name == nullptr || !name->is_string()) {
       diagnostics.Error(table.where(), "a check needs a \"kind\"", fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    const auto kind = Kinds().find(name->string());
-    if (kind == Kinds().end()) {
+    const CheckKind* kind = registry.FindCheck(name->string());
+    if (kind == nullptr) {
       const std::optional<std::string> near = Closest(name->string(), names);
       diagnostics.Error(
           name->where(), fmt::format("there is no check of kind \"{}\"", name->string()),
           near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("known: {}", fmt::join(names, ", ")));
       continue;
     }
-    auto check = kind->second.make(table, plan, rig, diagnostics);
-    if (check == nullptr) continue;
+    std::unique_ptr<CheckPlan> check = kind->make(table, diagnostics);
+    if (check == nullptr || !HasWhatItNeeds(*kind, *check, table, plan, rig, diagnostics)) continue;
+    check->kind = kind->name;
     check->stated_at = name->where();
     checks.push_back(std::move(check));
   }
   return checks;
+}
+
+std::vector<score::Check> RunChecks(const std::vector<std::unique_ptr<CheckPlan>>& checks, CheckContext& context) {
+  std::vector<score::Check> results;
+  for (const auto& check : checks) {
+    std::vector<score::Check> made = check->Run(context);
+    if (made.empty()) made.emplace_back().name = "a check without a result";  // a fresh Check fails
+    for (score::Check& one : made) {
+      one.stated = check->kind;
+      results.push_back(std::move(one));
+    }
+  }
+  return results;
 }
 
 bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Plan& plan, const Rig& rig,
@@ -308,14 +369,6 @@ bool ChecksApply(const std::vector<std::unique_ptr<CheckPlan>>& checks, const Pl
   const int before = diagnostics.error_count();
   for (const auto& check : checks) check->Applies(plan, rig, diagnostics);
   return diagnostics.error_count() == before;
-}
-
-void AddCheckKind(CheckKind kind) { Kinds()[kind.info.name] = std::move(kind); }
-
-std::vector<CheckKindInfo> CheckKinds() {
-  std::vector<CheckKindInfo> infos;
-  for (const auto& [name, kind] : Kinds()) infos.push_back(kind.info);
-  return infos;
 }
 
 }  // namespace dynoproof

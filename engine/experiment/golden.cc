@@ -181,13 +181,18 @@ bool ComparesWithGolden(const std::vector<std::string>& stated) {
   return std::find(stated.begin(), stated.end(), GoldenCheck::kName) != stated.end();
 }
 
+bool IsOfGolden(const score::Check& check) { return check.stated == GoldenCheck::kName; }
+
 std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan) {
   if (std::error_code error; ComparesWithGolden(StatedChecks(plan)) || !fs::exists(place.trace, error))
     return std::nullopt;
-  return Failed("golden", "tube",
-                fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "
-                            "the check, or delete the data",
-                            place.trace));
+  score::Check check =
+      Failed("golden", "tube",
+             fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "
+                         "the check, or delete the data",
+                         place.trace));
+  check.stated = GoldenCheck::kName;
+  return check;
 }
 
 std::string GoldenFolder() {
@@ -278,8 +283,10 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
     options.relative_width = tolerance.relative_width;
     options.nominal = want.nominal;
     options.time_half_width_s = tolerance.time_half_width_s;
-    score::Check check = score::TubeCheck(score::CompareTube(golden, run, options), name, tolerance.origin);
+    const score::TubeResult result = score::CompareTube(golden, run, options);
+    score::Check check = score::TubeCheck(result, name, tolerance.origin);
     check.kind = kind == "golden" ? "tube" : kind;
+    check.evidence = score::TubeEvidence({want.name, want.unit, kind, "run"}, golden, result, options);
     if (check.verdict != score::Verdict::kPass && score::FaultOf(run, "run").empty()) {
       // All samples of the run: they show a delay that is shorter than the thinned trace's step.
       const score::Series all{test_times, have->values, ToScore(have->interpolation)};
@@ -383,7 +390,7 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
 }
 
 std::vector<score::Check> GoldenCheck::Run(CheckContext& context) const {
-  return CompareWithGolden(context.golden, context.plan(), *context.trace);
+  return CompareWithGolden(*context.golden, context.plan(), *context.trace);
 }
 
 }  // namespace dynoproof

@@ -77,6 +77,9 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan
 /// Whether a scenario with these StatedChecks() compares with its golden data.
 bool ComparesWithGolden(const std::vector<std::string>& stated);
 
+/// Whether the check is of the run and its golden data.
+bool IsOfGolden(const score::Check& check);
+
 /// A scenario that has golden data and no check of kind `golden` compares nothing with them: a failed check then.
 std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan);
 

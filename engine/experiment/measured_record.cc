@@ -144,11 +144,14 @@ std::vector<score::Check> CompareWithRecord(const Rig& rig, const Samples& sampl
     const score::Series simulated = SeriesOf(samples, rig, name, &options.nominal);
     const score::NrmseResult result = score::Nrmse(measured, simulated, options);
     score::Check check = score::NrmseCheck(result, options, "record " + name, origin);
-    check.kind = "record";
+    check.kind = check.stated = "record";
     if (result.nrmse) figures[name + ".nrmse"] = {*result.nrmse, "1"};
-    if (check.verdict != score::Verdict::kPass && score::FaultOf(measured, "record").empty()) {
-      check.explanation = Why(measured, simulated, options.limit * score::StandardDeviation(*series.values),
-                              rig.outputs[FindOutput(rig, name)].unit);
+    if (score::FaultOf(measured, "record").empty()) {
+      const std::string& unit = rig.outputs[FindOutput(rig, name)].unit;
+      const double allowed = options.limit * score::StandardDeviation(*series.values);
+      if (check.verdict != score::Verdict::kPass) check.explanation = Why(measured, simulated, allowed, unit);
+      check.evidence =
+          score::BandEvidence({name, unit, "record", "run"}, score::Evidence::Rule::kRms, measured, simulated, allowed);
     }
     if (const std::string few = TooFew(series.values->size()); !few.empty()) {
       check.verdict = score::Verdict::kInconclusive;

@@ -9,8 +9,7 @@
 #include <set>
 
 #include "experiment/golden.h"
-#include "score/tube.h"
-#include "trace/trace_io.h"
+#include "score/evidence.h"
 
 namespace dynoproof {
 namespace {
@@ -26,24 +25,6 @@ std::vector<const Value*> ChecksOf(const Plan& plan, std::string_view kind) {
     if (check.TextOr("kind") == kind) found.push_back(&check);
   }
   return found;
-}
-
-/// The golden trace and its tolerances, where the scenario is compared with one.
-struct Golden {
-  trace::Trace trace;
-  std::map<std::string, GoldenTolerances::OfSignal> tolerances;
-
-  GoldenTolerances::OfSignal Of(const std::string& signal) const {
-    const auto found = tolerances.find(signal);
-    return found == tolerances.end() ? GoldenTolerances::OfSignal{} : found->second;
-  }
-};
-std::optional<Golden> ReadGolden(const Prepared& prepared) {
-  if (ChecksOf(prepared.plan, "golden").empty()) return std::nullopt;
-  Result<trace::Trace> trace = trace::ReadTrace(prepared.golden.trace);
-  Result<GoldenTolerances> tolerances = ReadTolerances(prepared.golden.tolerances);
-  if (!trace.ok() || !tolerances.ok()) return std::nullopt;
-  return Golden{std::move(*trace), tolerances->For(prepared.rig->run.solver)};
 }
 
 std::vector<double> ToVector(std::span<const double> values) { return {values.begin(), values.end()}; }
@@ -88,136 +69,53 @@ Curve Envelope(std::string label, std::span<const double> time, const std::vecto
   return curve;
 }
 
-/// A comparison that did not pass, close up: both curves with the tube between which the run should be, and their
-/// difference. Both have the times of the reference.
-std::vector<Picture> CloseUp(const std::string& title, const std::string& signal, const std::string& unit,
-                             const Curve& reference, const Curve& run, double half_width, double first_s) {
-  Picture both{.key = "close_up:" + signal, .title = title, .x = {"time", "s"}, .y = {signal, unit}};
-  both.note = "zoomed to the place where the two part; 0 shows the whole run";
+/// A comparison that did not pass, close up: both curves with the band between which the run should be, and their
+/// difference.
+std::vector<Picture> CloseUp(const std::string& title, const score::Evidence& judged) {
+  const std::vector<double>& time = judged.time_s;
+  const double first_s = time[*judged.first], span = time.back() - time.front();
+  Picture both{.key = "close_up:" + judged.signal,
+               .title = title,
+               .note = "zoomed to the place where the two part; 0 shows the whole run",
+               .x = {"time", "s"},
+               .y = {judged.signal, judged.unit}};
   both.course = true;
-  const double span = run.x.back() - run.x.front();
-  both.x.from = std::max(run.x.front(), first_s - 0.01 * span);
-  both.x.to = std::min(run.x.back(), first_s + 0.02 * span);
+  both.x.from = std::max(time.front(), first_s - 0.01 * span);
+  both.x.to = std::min(time.back(), first_s + 0.02 * span);
   both.marks.push_back({first_s, "first apart"});
   Picture residual = both;
-  residual.key = "residual:" + signal;
-  residual.title = fmt::format("{}: {} minus {}", signal, run.label, reference.label);
-  residual.y.label = "difference of " + signal;
-  residual.marks.push_back({half_width, "limit", true});
-  residual.marks.push_back({-half_width, "", true});
+  residual.key = "residual:" + judged.signal;
+  residual.title = fmt::format("{}: {} minus {}", judged.signal, judged.test_name, judged.reference_name);
+  residual.y.label = "difference of " + judged.signal;
+  residual.marks.push_back({judged.half_width, "limit", true});
+  residual.marks.push_back({-judged.half_width, "", true});
 
-  Area tube{"tube", reference.x, {}};
-  for (const double value : reference.y) tube.y.push_back(value + half_width);
-  for (std::size_t i = reference.x.size(); i-- > 0;) {
-    tube.x.push_back(reference.x[i]);
-    tube.y.push_back(reference.y[i] - half_width);
-  }
+  Area tube{"tube", time, judged.upper};
+  tube.x.insert(tube.x.end(), time.rbegin(), time.rend());
+  tube.y.insert(tube.y.end(), judged.lower.rbegin(), judged.lower.rend());
   both.areas.push_back(std::move(tube));
-  both.curves = {run, reference};
-  Curve difference{"difference", reference.x, {}};
-  for (std::size_t i = 0; i < reference.y.size(); ++i) difference.y.push_back(run.y[i] - reference.y[i]);
+  both.curves = {{judged.test_name, time, judged.test},
+                 {judged.reference_name, time, judged.reference, Curve::Style::kDashed}};
+  Curve difference{"difference", time, {}};
+  for (std::size_t i = 0; i < time.size(); ++i) difference.y.push_back(judged.test[i] - judged.reference[i]);
   residual.curves.push_back(std::move(difference));
   return {std::move(both), std::move(residual)};
 }
 
-/// Distances of a run from what it is compared with, each over its limit.
-class Comparisons {
- public:
-  explicit Comparisons(const Course& course, const Rig& rig) : course_(course), rig_(rig) {
-    picture_ = {.key = "distances",
-                .title = "Distances over their limits",
-                .note =
-                    "golden: over the half-width of the tube, which no sample may leave; solvers and oracles: over "
-                    "the limit of the RMS",
-                .x = {"time", "s"},
-                .y = {"distance / limit", "1", true}};
-    picture_.course = true;
-    picture_.marks.push_back({1.0, "limit", true});
-  }
-
-  void AddGolden(const Golden& golden, const trace::Signal& want) {
-    const trace::Signal* have = course_.trace.Find(want.name);
-    if (have == nullptr) return;
-    const score::Series reference{golden.trace.TimeOf(want), want.values},
-        run{course_.trace.TimeOf(*have), have->values,
-            have->interpolation == trace::Interpolation::kHold ? score::Interpolation::kHold
-                                                               : score::Interpolation::kLinear};
-    if (!score::FaultOf(reference, "golden").empty() || !score::FaultOf(run, "run").empty()) return;
-    const GoldenTolerances::OfSignal tolerance = golden.Of(want.name);
-    const double half_width = tolerance.relative_width * want.nominal;
-    const std::vector<double> test = score::SampleAt(run, reference.time_s);
-    std::vector<double> ratio(test.size());
-    // Distance from the range of the golden values within the tube's half-width in time.
-    std::size_t begin = 0, end = 0;
-    for (std::size_t i = 0; i < test.size(); ++i) {
-      const double t = reference.time_s[i], w = tolerance.time_half_width_s;
-      while (reference.time_s[begin] < t - w) ++begin;
-      while (end < test.size() && reference.time_s[end] <= t + w) ++end;
-      const auto [low, high] = std::minmax_element(reference.values.begin() + static_cast<std::ptrdiff_t>(begin),
-                                                   reference.values.begin() + static_cast<std::ptrdiff_t>(end));
-      ratio[i] = std::max({0.0, test[i] - *high, *low - test[i]}) / half_width;
-    }
-    Add("golden " + want.name, reference.time_s, ratio);
-    const score::TubeResult tube = score::CompareTube(reference, {reference.time_s, test, run.interpolation},
-                                                      {.relative_width = tolerance.relative_width,
-                                                       .nominal = want.nominal,
-                                                       .time_half_width_s = tolerance.time_half_width_s});
-    if (!tube.first) return;
-    AddCloseUp(CloseUp(want.name + " leaves the tube around the golden trace", want.name, want.unit,
-                       {"golden", ToVector(reference.time_s), ToVector(reference.values), Curve::Style::kDashed},
-                       {"run", ToVector(reference.time_s), test}, half_width, tube.first->time_s));
-  }
-
-  /// `limit` is that of the RMS over the spread of `reference`; both have the ticks of `time`.
-  void AddNrmse(const std::string& kind, const std::string& other, const std::string& signal,
-                std::span<const double> time, std::span<const double> reference, std::span<const double> test,
-                double limit, bool own_is_reference) {
-    const double allowed = limit * score::StandardDeviation(reference);
-    if (!(allowed > 0.0)) return;
-    std::vector<double> ratio(test.size());
-    double square = 0.0;
-    std::size_t first = test.size();
-    for (std::size_t i = 0; i < test.size(); ++i) {
-      ratio[i] = (test[i] - reference[i]) / allowed;
-      square += ratio[i] * ratio[i];
-      if (first == test.size() && std::abs(ratio[i]) > 1.0) first = i;
-    }
-    Add(kind + " " + signal, time, ratio);
-    if (square <= static_cast<double>(test.size()) || first == test.size()) return;
-    const OutputLine& line = rig_.outputs[static_cast<std::size_t>(FindOutput(rig_, signal))];
-    Curve a{own_is_reference ? "run" : other, ToVector(time), ToVector(reference), Curve::Style::kDashed},
-        b{own_is_reference ? other : "run", ToVector(time), ToVector(test)};
-    AddCloseUp(CloseUp(fmt::format("{}: run and {} part", signal, other), signal, line.unit, std::move(a), std::move(b),
-                       allowed, time[first]));
-  }
-
-  void Finish(RunPictures& pictures) {
-    pictures.pictures.insert(pictures.pictures.begin(), std::make_move_iterator(close_ups_.begin()),
-                             std::make_move_iterator(close_ups_.end()));
-    if (!picture_.curves.empty()) pictures.pictures.push_back(std::move(picture_));
-  }
-
- private:
-  void Add(const std::string& label, std::span<const double> time, const std::vector<double>& ratio) {
-    picture_.curves.push_back(Envelope(label, time, ratio));
-  }
-
-  void AddCloseUp(std::vector<Picture> pictures) {
-    std::move(pictures.begin(), pictures.end(), std::back_inserter(close_ups_));
-  }
-
-  const Course& course_;
-  const Rig& rig_;
-  Picture picture_;
-  std::vector<Picture> close_ups_;
-};
+/// What there is to say over the close-up of a failed comparison.
+std::string Parting(const score::Check& check) {
+  const score::Evidence& judged = *check.evidence;
+  if (IsOfGolden(check)) return judged.signal + " leaves the tube around the golden trace";
+  return fmt::format("{}: run and {} part", judged.signal,
+                     judged.test_name == "run" ? judged.reference_name : judged.test_name);
+}
 
 }  // namespace
 
-void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pictures) {
+void AddCourses(const Prepared& prepared, const Course& course, std::span<const score::Check> checks,
+                RunPictures& pictures) {
   const Rig& rig = *prepared.rig;
   const trace::Trace& trace = course.trace;
-  const std::optional<Golden> golden = ReadGolden(prepared);
   const auto curve = [&trace](const trace::Signal& signal, std::string label) {
     return Curve{std::move(label), ToVector(trace.TimeOf(signal)), signal.values, StyleOf(signal)};
   };
@@ -265,8 +163,9 @@ void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pic
       picture.curves.push_back(curve(*wanted, wanted->name));
       picture.curves.back().style = Curve::Style::kDashed;
     }
-    if (const trace::Signal* kept = golden ? golden->trace.Find(line.name) : nullptr; kept != nullptr) {
-      picture.curves.push_back({"golden", ToVector(golden->trace.TimeOf(*kept)), kept->values, Curve::Style::kSamples});
+    for (const score::Check& check : checks) {
+      if (check.evidence == nullptr || !IsOfGolden(check) || check.evidence->signal != line.name) continue;
+      picture.curves.push_back({"golden", check.evidence->time_s, check.evidence->reference, Curve::Style::kSamples});
     }
     outputs.push_back(std::move(picture));
   }
@@ -301,46 +200,28 @@ void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pic
   std::move(inputs.begin(), inputs.end(), std::back_inserter(pictures.pictures));
 }
 
-void AddComparisons(const Prepared& prepared, const Course& course, CheckContext& context, RunPictures& pictures) {
-  Comparisons comparisons(course, *prepared.rig);
-  if (const std::optional<Golden> golden = ReadGolden(prepared)) {
-    for (const trace::Signal& signal : golden->trace.signals) {
-      // Hull curves follow from the signal they belong to.
-      if (FindOutput(*prepared.rig, signal.name) >= 0) comparisons.AddGolden(*golden, signal);
-    }
+void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPictures& pictures) {
+  Picture distances{.key = "distances",
+                    .title = "Distances over their limits",
+                    .note =
+                        "golden and followed courses: over the half-width of the tube, which no sample may leave; "
+                        "solvers, oracles and records: over the limit of the RMS",
+                    .x = {"time", "s"},
+                    .y = {"distance / limit", "1", true}};
+  distances.course = true;
+  distances.marks.push_back({1.0, "limit", true});
+  std::vector<Picture> close_ups;
+  for (const score::Check& check : checks) {
+    // Hull curves, which the golden trace holds besides, follow from the signal they belong to.
+    if (check.evidence == nullptr || FindOutput(rig, check.evidence->signal) < 0) continue;
+    const score::Evidence& judged = *check.evidence;
+    distances.curves.push_back(Envelope(check.stated + " " + judged.signal, judged.time_s, judged.distance));
+    if (check.verdict == score::Verdict::kPass || !judged.first) continue;
+    for (Picture& picture : CloseUp(Parting(check), judged)) close_ups.push_back(std::move(picture));
   }
-  const std::vector<double>& time = course.samples.time;
-  const auto own = [&](const std::string& signal) -> const std::vector<double>& {
-    return course.samples.outputs[static_cast<std::size_t>(FindOutput(*prepared.rig, signal))];
-  };
-  const auto limit = [](const Value& check) {
-    const Value* value = check.Find("nrmse");
-    return value != nullptr && value->is_number() ? value->number() : kNaN;
-  };
-  if (const Samples* other = context.OtherIfMade()) {
-    const bool own_is_reference = context.solver() == "reference";
-    for (const Value* check : ChecksOf(prepared.plan, "solvers")) {
-      const std::string signal = check->TextOr("signal");
-      const std::vector<double>& others = other->outputs[static_cast<std::size_t>(FindOutput(*prepared.rig, signal))];
-      if (others.size() != time.size()) continue;
-      comparisons.AddNrmse("solvers", own_is_reference ? "realtime" : "reference", signal, time,
-                           own_is_reference ? own(signal) : others, own_is_reference ? others : own(signal),
-                           limit(*check), own_is_reference);
-    }
-  }
-  for (const Value* check : ChecksOf(prepared.plan, "oracle")) {
-    const std::string signal = check->TextOr("signal");
-    const Result<std::vector<double>> answer = context.Oracle(check->TextOr("oracle"), signal);  // known by now
-    if (!answer.ok() || answer->size() != time.size()) continue;
-    const Value* until = check->Find("until_s");
-    std::size_t rows = time.size();
-    if (until != nullptr && until->is_number() && until->number() > 0.0) {
-      rows = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), until->number()) - time.begin());
-    }
-    comparisons.AddNrmse("oracle", check->TextOr("oracle"), signal, std::span(time).first(rows),
-                         std::span(*answer).first(rows), std::span(own(signal)).first(rows), limit(*check), false);
-  }
-  comparisons.Finish(pictures);
+  pictures.pictures.insert(pictures.pictures.begin(), std::make_move_iterator(close_ups.begin()),
+                           std::make_move_iterator(close_ups.end()));
+  if (!distances.curves.empty()) pictures.pictures.push_back(std::move(distances));
 }
 
 void AddTiming(const Course& course, RunPictures& pictures) {
@@ -387,10 +268,10 @@ void AddPictureMaker(PictureMaker maker) {
   if (std::find(makers.begin(), makers.end(), maker) == makers.end()) makers.push_back(maker);
 }
 
-RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckContext* context) {
+RunPictures PicturesOf(const Prepared& prepared, const Course& course, std::span<const score::Check> checks) {
   RunPictures pictures;
-  AddCourses(prepared, course, pictures);
-  if (context != nullptr) AddComparisons(prepared, course, *context, pictures);
+  AddCourses(prepared, course, checks, pictures);
+  AddComparisons(*prepared.rig, checks, pictures);
   AddPhasePlanes(prepared, course, pictures);
   AddSpectra(prepared, course, pictures);
   AddResponses(prepared, course, pictures);
@@ -402,7 +283,7 @@ RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckCont
 Result<RunPictures> PicturesOf(const Prepared& prepared, const Progress& progress) {
   const Result<Course> course = Play(prepared, progress);
   if (!course.ok()) return course.failure();
-  return PicturesOf(prepared, *course, nullptr);
+  return PicturesOf(prepared, *course, {});
 }
 
 }  // namespace dynoproof

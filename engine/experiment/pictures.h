@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,9 +55,9 @@ struct RunPictures {
   std::vector<std::string> constant;  // "k_V = 9.7": signals that never change need no picture
 };
 
-/// All pictures of a run, the courses first. `context` is that of the checks, for what they compared with; null when
-/// none were made. Pictures that cannot be computed are left out: the checks say why.
-RunPictures PicturesOf(const Prepared& prepared, const Course& course, CheckContext* context);
+/// All pictures of a run, the courses first. `checks` are those of the run with their evidence: what they judged is
+/// drawn as they judged it. Pictures that cannot be computed are left out: the checks say why.
+RunPictures PicturesOf(const Prepared& prepared, const Course& course, std::span<const score::Check> checks);
 
 /// The pictures of a scenario without its checks: the run, made anew.
 Result<RunPictures> PicturesOf(const Prepared& prepared, const Progress& progress = {});
@@ -67,8 +68,9 @@ using PictureMaker = void (*)(const Prepared& prepared, const Course& course, Ru
 void AddPictureMaker(PictureMaker maker);
 
 /// The parts, each appending what applies to the scenario.
-void AddCourses(const Prepared& prepared, const Course& course, RunPictures& pictures);
-void AddComparisons(const Prepared& prepared, const Course& course, CheckContext& context, RunPictures& pictures);
+void AddCourses(const Prepared& prepared, const Course& course, std::span<const score::Check> checks,
+                RunPictures& pictures);
+void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPictures& pictures);
 void AddSpectra(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddResponses(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures);

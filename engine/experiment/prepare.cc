@@ -163,7 +163,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   ReadExtension(plan, diagnostics);
   prepared->record = ReadRecordSettings(plan, rig, diagnostics);
   // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
-  if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, diagnostics);
+  if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, registry, diagnostics);
   prepared->golden = GoldenPlaceOf(plan, options.golden);
   prepared->plan = std::move(plan);
   if (diagnostics.error_count() != before) return nullptr;
@@ -180,7 +180,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   prepared = Prepare(*written, driven, registry, diagnostics);
   if (prepared == nullptr) return nullptr;
   prepared->data = owned;
-  prepared->checks = ReadChecks(prepared->plan, *prepared->rig, diagnostics);
+  prepared->checks = ReadChecks(prepared->plan, *prepared->rig, registry, diagnostics);
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 

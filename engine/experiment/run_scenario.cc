@@ -181,15 +181,8 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   context.trace = &course->trace;
   context.registry = prepared.registry;
   context.records = prepared.records.get();
-  context.golden = prepared.golden;
-  for (const auto& check : prepared.checks) {
-    std::vector<score::Check> made = check->Run(context);
-    if (made.empty()) {  // a check that says nothing is none: a fresh Check fails
-      made.emplace_back();
-      made.back().name = "a check without a result";
-    }
-    result.checks.insert(result.checks.end(), made.begin(), made.end());
-  }
+  context.golden = &prepared.golden;
+  result.checks = RunChecks(prepared.checks, context);
   // Checks that --set gives in place of the scenario's own are asked for alone.
   std::optional<score::Check> gone;
   if (prepared.checks_as_written) gone = GoldenNotStated(prepared.golden, prepared.plan);
@@ -210,7 +203,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   }
   if (!options.out.empty()) {
     const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
-      return check.name.starts_with("golden") && check.verdict != score::Verdict::kPass;
+      return IsOfGolden(check) && check.verdict != score::Verdict::kPass;
     });
     const Result<std::string> note = KeepGolden(
         prepared.golden, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
@@ -219,7 +212,9 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   }
   const bool inputs_alone = data != nullptr && result.checks.empty();
   result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
-  if (options.seen) options.seen(*course, context, result);
+  if (options.seen) options.seen(*course, result);
+  // The evidence is as long as the run; results of many scenarios are kept side by side.
+  for (score::Check& check : result.checks) check.evidence = nullptr;
   return result;
 }
 

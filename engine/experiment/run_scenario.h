@@ -38,8 +38,9 @@ struct RunOptions {
   const MappedRecord* data = nullptr;  // --data: its comparison takes the place of the scenario's checks
   std::string today = {};              // for accepted gaps, "2026-01-31"; empty: by the clock
   Progress progress = {};
-  /// Called with what there is to see when the checks have been made; not for a broken run.
-  std::function<void(const Course&, CheckContext&, const ScenarioResult&)> seen = {};
+  /// Called with what there is to see when the checks have been made, which have their evidence then; not for a broken
+  /// run.
+  std::function<void(const Course&, const ScenarioResult&)> seen = {};
 };
 
 ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options);

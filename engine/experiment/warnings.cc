@@ -35,11 +35,9 @@ void WarnOfLimit(const std::string& key, const Value& value, Diagnostics& diagno
 
 void AddWarnings(const Prepared& prepared, Diagnostics& diagnostics) {
   const Value* checks = prepared.plan.root.Find("check");
-  const std::vector<CheckKindInfo> kinds = CheckKinds();
   bool compares_solvers = false;
   for (const Value& table : checks != nullptr ? checks->array() : Value::Array()) {
-    const auto kind = std::find_if(kinds.begin(), kinds.end(),
-                                   [name = table.Find("kind")->string()](const auto& one) { return one.name == name; });
+    const CheckKind* kind = prepared.registry->FindCheck(table.Find("kind")->string());
     compares_solvers = compares_solvers || kind->compares_solvers;
     for (const std::string& key : kind->relative_limits) {
       if (const Value* value = table.Find(key)) WarnOfLimit(key, *value, diagnostics);

@@ -68,6 +68,17 @@ const PluginInfo* Registry::FindPlugin(const std::string& kind, const std::strin
   return it == plugins_.end() ? nullptr : &it->second;
 }
 
+const CheckKind* Registry::FindCheck(std::string_view name) const {
+  const auto it = checks_.find(name);
+  return it == checks_.end() ? nullptr : &it->second;
+}
+
+std::vector<const CheckKind*> Registry::Checks() const {
+  std::vector<const CheckKind*> list;
+  for (const auto& [name, kind] : checks_) list.push_back(&kind);
+  return list;
+}
+
 std::vector<const PluginInfo*> Registry::Plugins() const {
   std::vector<const PluginInfo*> list;
   for (const auto& [key, info] : plugins_) list.push_back(&info);

@@ -42,6 +42,19 @@ struct PluginInfo {
   std::vector<ParamInfo> parameters;
 };
 
+class CheckPlan;  // experiment/check.h
+class Rig;        // sim/rig.h
+
+/// A kind of [[check]]: what `list` and `describe` show of it, and how a table becomes a check of it.
+struct CheckKind {
+  std::string name, summary;
+  std::vector<ParamInfo> parameters;
+  std::vector<std::string> relative_limits = {};  // parameters that are a largest relative deviation
+  bool compares_solvers = false;                  // `realtime` against `reference`
+  bool needs_analysis = false;                    // the section [analysis] of the scenario
+  std::function<std::unique_ptr<CheckPlan>(const Value& table, Diagnostics& diagnostics)> make;  // null: faulty table
+};
+
 template <class T>
 using Factory = std::function<std::unique_ptr<T>(const Value& table, BuildContext& context)>;
 
@@ -81,6 +94,11 @@ class Registry {
     plugins_[{info.kind, info.name}] = std::move(info);
   }
   void Add(std::unique_ptr<Effect> effect);
+  /// Registers a kind of check C, a CheckPlan; experiment/check.h says what it declares.
+  template <class C>
+  void AddCheck() {
+    checks_[C::kName] = C::template KindOf<C>();
+  }
 
   /// Builds from a table whose key `type` names the plugin; faults become diagnostics and null.
   std::unique_ptr<Component> MakeComponent(const std::string& kind, const Value& table, BuildContext& context) const;
@@ -91,6 +109,8 @@ class Registry {
   /// What the plant of a plan declares.
   const PlantTraits& PlantOf(const Plan& plan) const { return dynoproof::PlantOf(plan, *plants_); }
   const PluginInfo* FindPlugin(const std::string& kind, const std::string& name) const;
+  const CheckKind* FindCheck(std::string_view name) const;
+  std::vector<const CheckKind*> Checks() const;    // by name
   std::vector<const PluginInfo*> Plugins() const;  // by kind, then name
   std::vector<const Effect*> Effects() const;      // by name
 
@@ -101,6 +121,7 @@ class Registry {
   std::map<std::string, Factory<Law>> laws_;
   std::map<std::string, std::unique_ptr<Effect>, std::less<>> effects_;
   std::shared_ptr<PlantCatalogue> plants_ = std::make_shared<PlantCatalogue>();  // shared with the effects
+  std::map<std::string, CheckKind, std::less<>> checks_;
 };
 
 /// Registers every built-in plugin (engine/plugins/register_all.cc).

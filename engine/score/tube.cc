@@ -121,6 +121,10 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
         high = high_before;
       }
     }
+    result.test.push_back(value);
+    result.lower.push_back(low - h);
+    result.upper.push_back(high + h);
+    result.ratio.push_back(ratio);
     if (ratio > result.worst_ratio) {
       result.worst_ratio = ratio;
       result.worst_time_s = times[i];
@@ -131,6 +135,7 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
     was_outside = outside;
   }
   result.fraction_outside = outside_s / (result.to_s - result.from_s);
+  result.time_s = times;
 
   if (result.first) {
     result.reason = fmt::format(

@@ -9,6 +9,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "score/series.h"
 
@@ -37,6 +38,8 @@ struct TubeResult : Outcome {
   double from_s = 0.0;
   double to_s = 0.0;
   std::size_t points = 0;  // at which the two were compared
+  // One value for each point: the test, the tube's edges, and the distance as in worst_ratio.
+  std::vector<double> time_s, test, lower, upper, ratio;
 };
 
 /// Holds `test` against the tube around `reference`. Passes only if both are sound, the test covers the whole reference

@@ -1,6 +1,7 @@
 // The verdict of a score: one Check as it stands in the JSON of `run`, and how many checks become one verdict.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,8 @@ struct Outcome {
   bool ok() const { return verdict == Verdict::kPass; }
 };
 
+struct Evidence;  // score/evidence.h
+
 /// One line of a report. `value` and `limit` are NaN where the check never came to a number; writers turn that to null.
 struct Check {
   std::string name;
@@ -37,6 +40,8 @@ struct Check {
   std::string origin;       // why this limit
   std::string explanation;  // what was seen
   bool at_least = false;    // the limit is the least: the check holds when value >= limit
+  std::string stated = {};  // the kind of the [[check]] that made it, "golden"; empty: made without one
+  std::shared_ptr<const Evidence> evidence = {};  // what was compared; null where no two courses were
 };
 
 /// The verdict over all checks: the worst wins; no check at all is a failure, because nothing was compared.

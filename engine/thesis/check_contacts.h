@@ -36,7 +36,7 @@ class ContactsCheck : public CheckPlan {
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "impacts in a shaft with play: solvers, halved steps, laws";
   explicit ContactsCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -62,7 +62,7 @@ class DivergenceCheck : public CheckPlan {
   static constexpr const char* kName = "divergence";
   static constexpr const char* kSummary = "rate at which runs part after a tiny change";
   explicit DivergenceCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

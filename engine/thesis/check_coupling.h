@@ -28,7 +28,7 @@ class CouplingCheck : public CheckPlan {
   static constexpr const char* kRelativeLimits[] = {"relative"};
   static constexpr const char* kSummary = "steady stiffness and damping of a hydrodynamic coupling at a frequency";
   explicit CouplingCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {}; }
+  std::vector<std::string> Signals() const override { return {}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

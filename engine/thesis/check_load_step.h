@@ -40,8 +40,8 @@ class LoadStepCheck : public CheckPlan {
   static constexpr const char* kSummary =
       "drop and recovery of an engine's speed, course of its power, after a load step";
   explicit LoadStepCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.speed, p_.power}; }
-  std::vector<std::string> Inputs() const { return {p_.load}; }
+  std::vector<std::string> Signals() const override { return {p_.speed, p_.power}; }
+  std::vector<std::string> Inputs() const override { return {p_.load}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

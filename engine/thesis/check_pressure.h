@@ -40,8 +40,8 @@ class RampsCheck : public CheckPlan {
   static constexpr const char* kName = "ramps";
   static constexpr const char* kSummary = "overshoot and settling of an output that follows ramps of an input";
   explicit RampsCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const;
-  std::vector<std::string> Inputs() const { return {p_.reference}; }
+  std::vector<std::string> Signals() const override;
+  std::vector<std::string> Inputs() const override { return {p_.reference}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -70,7 +70,7 @@ class BoundedCheck : public CheckPlan {
   static constexpr const char* kName = "bounded";
   static constexpr const char* kSummary = "an output stays between bounds, which may be other outputs";
   explicit BoundedCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const;
+  std::vector<std::string> Signals() const override;
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

@@ -31,7 +31,7 @@ class GrowthCheck : public CheckPlan {
   static constexpr const char* kName = "growth";
   static constexpr const char* kSummary = "frequency and growth rate of an oscillation";
   explicit GrowthCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return {p_.signal}; }
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
@@ -62,7 +62,7 @@ class PlacementsCheck : public CheckPlan {
   static constexpr const char* kName = "placements";
   static constexpr const char* kSummary = "where notch filters were placed, and that the loop is stable afterwards";
   explicit PlacementsCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const {
+  std::vector<std::string> Signals() const override {
     std::vector<std::string> signals = p_.notches;
     signals.push_back(p_.signal);
     return signals;
@@ -94,7 +94,7 @@ class WanderCheck : public CheckPlan {
   static constexpr const char* kName = "wander";
   static constexpr const char* kSummary = "adaptive filters that find their frequencies and lose them again";
   explicit WanderCheck(Params params) : p_(std::move(params)) {}
-  std::vector<std::string> Signals() const { return p_.notches; }
+  std::vector<std::string> Signals() const override { return p_.notches; }
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:

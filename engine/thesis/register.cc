@@ -11,12 +11,16 @@
 
 namespace dynoproof {
 
-void RegisterThesis(Registry&) {
-  for (CheckKind kind : {MakeCheckKind<BoundedCheck>(), MakeCheckKind<ContactsCheck>(), MakeCheckKind<CouplingCheck>(),
-                         MakeCheckKind<DivergenceCheck>(), MakeCheckKind<GrowthCheck>(), MakeCheckKind<LoadStepCheck>(),
-                         MakeCheckKind<PlacementsCheck>(), MakeCheckKind<RampsCheck>(), MakeCheckKind<WanderCheck>()}) {
-    AddCheckKind(std::move(kind));
-  }
+void RegisterThesis(Registry& registry) {
+  registry.AddCheck<BoundedCheck>();
+  registry.AddCheck<ContactsCheck>();
+  registry.AddCheck<CouplingCheck>();
+  registry.AddCheck<DivergenceCheck>();
+  registry.AddCheck<GrowthCheck>();
+  registry.AddCheck<LoadStepCheck>();
+  registry.AddCheck<PlacementsCheck>();
+  registry.AddCheck<RampsCheck>();
+  registry.AddCheck<WanderCheck>();
   AddPictureMaker(AddCouplings);
   AddPictureMaker(AddLoop);
   campaign::AddStudy("suppression", campaign::MakeSuppressionSubject);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`new law` and `new effect`: the commands that they print, from the build folder and from an installation, and those of
+"""`new law`, `new effect` and `new check`: the commands that they print, from the build folder and from an installation, and those of
 README.md. own_plugin_test.py PROGRAM"""
 import os
 import pathlib
@@ -21,9 +21,27 @@ class OwnPlugin(Steps):
         self.assertIn("pass", said)
         self.shell(f"{program} validate {name}/{name}.toml", exit=2)  # without the library there is no such thing
 
+    def check(self, program):
+        """A kind of check: it passes, it fails, and the report draws what it judged."""
+        self.printed(program, "check", "calm")
+        run = f"{program} run calm/calm.toml --plugin calm/build/calm.so"
+        (one,) = [check for check in self.document(run)["scenarios"][0]["checks"] if check["kind"] == "calm"]
+        self.assertEqual((one["verdict"], one["unit"], one["limit"]), ("pass", "N m", 90.0))
+        text = (self.folder / "calm/calm.toml").read_text()
+        (self.folder / "calm/calm.toml").write_text(text.replace("rms = 90.0", "rms = 1e-3"))
+        document = self.document(f"{run} --html page.html", exit=1)
+        (one,) = [check for check in document["scenarios"][0]["checks"] if check["kind"] == "calm"]
+        self.assertEqual(one["verdict"], "fail")
+        self.assertNotIn("evidence", one)
+        self.assertIn("calm T_shaft", (self.folder / "page.html").read_text())
+        (self.folder / "calm/calm.toml").write_text(text.replace('signal = "T_shaft"\nrms', 'signal = "T_shaf"\nrms'))
+        said = self.shell(f"{program} validate calm/calm.toml --plugin calm/build/calm.so", exit=2).stderr
+        self.assertIn('did you mean "T_shaft"?', said)
+
     def test_from_the_build_folder(self):
         self.printed("build/dynoproof", "law", "soft_stop")
         self.printed("dynoproof", "effect", "extra_mass")
+        self.check("build/dynoproof")
 
     def test_from_an_installation(self):
         prefix = self.folder / "a prefix"
@@ -32,6 +50,7 @@ class OwnPlugin(Steps):
         (self.folder / "build").unlink()
         self.printed("dynoproof", "law", "soft_stop")
         self.printed("dynoproof", "effect", "extra_mass")
+        self.check("dynoproof")
 
     def test_the_readme(self):
         (script,) = blocks("README.md", "sh", "Plugins and projects of your own")

@@ -10,6 +10,7 @@
 #include "experiment/prepare.h"
 #include "score/series.h"
 #include "sim/solver.h"
+#include "tests/support/registry.h"
 
 namespace dynoproof {
 namespace {
@@ -18,14 +19,12 @@ constexpr double kDuration_s = 0.4, kWindow_s = 0.05;
 
 class PredictionWindows : public ::testing::Test {
  protected:
-  PredictionWindows() { RegisterBuiltIns(registry_); }
-
   std::unique_ptr<Prepared> Line(const std::vector<std::string>& changes, const MappedRecord* data = nullptr) {
     PrepareOptions options;
     options.overrides = changes;
     options.data = data;
     Diagnostics diagnostics;
-    auto prepared = Prepare("scenarios/diagnose/backlash.toml", options, registry_, diagnostics);
+    auto prepared = Prepare("scenarios/diagnose/backlash.toml", options, testing::FullRegistry(), diagnostics);
     EXPECT_NE(prepared, nullptr) << diagnostics.Format();
     return prepared;
   }
@@ -72,8 +71,6 @@ class PredictionWindows : public ::testing::Test {
     for (std::size_t k = from; k < measured.size(); ++k) square += std::pow(measured[k] - predicted[k], 2);
     return std::sqrt(square / static_cast<double>(measured.size() - from)) / score::StandardDeviation(measured);
   }
-
-  Registry registry_;
 };
 
 TEST_F(PredictionWindows, FindTheStateWhereAFreeRunHasLostIt) {

@@ -13,7 +13,7 @@
 
 #include "base/text.h"
 #include "experiment/prepare.h"
-#include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {
@@ -72,7 +72,7 @@ std::string SaidOf(const std::string& text, const Case& one) {
   Diagnostics diagnostics;
   PrepareOptions options;
   options.overrides = one.overrides;
-  const std::unique_ptr<Prepared> prepared = Prepare(file, options, testing::BuiltIns(), diagnostics);
+  const std::unique_ptr<Prepared> prepared = Prepare(file, options, testing::FullRegistry(), diagnostics);
   EXPECT_EQ(prepared == nullptr, diagnostics.has_errors());
   std::string said = diagnostics.Format();
   const std::string prefix = folder.path().string() + "/";

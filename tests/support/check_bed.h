@@ -8,6 +8,7 @@
 
 #include "experiment/checks.h"
 #include "tests/support/plan_builder.h"
+#include "tests/support/registry.h"
 #include "tests/support/run_plan.h"
 
 namespace dynoproof::testing {
@@ -41,7 +42,7 @@ struct CheckBed {
 
   std::vector<score::Check> Run(Figures* figures = nullptr) const {
     Diagnostics diagnostics;
-    const auto checks = ReadChecks(plan, *rig, diagnostics);
+    const auto checks = ReadChecks(plan, *rig, testing::FullRegistry(), diagnostics);
     EXPECT_FALSE(diagnostics.has_errors()) << diagnostics.Format();
     CheckContext context(plan, *rig, samples, "realtime");
     std::vector<score::Check> made = checks.at(0)->Run(context);

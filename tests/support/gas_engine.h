@@ -10,14 +10,15 @@
 #include "experiment/prepare.h"
 #include "plugins/plant/engine_bank/engine_bank.h"
 #include "tests/support/build.h"
+#include "tests/support/registry.h"
 
 namespace dynoproof::testing {
 
 inline std::unique_ptr<Prepared> GasEngine(std::vector<std::string> overrides = {}) {
   overrides.insert(overrides.begin(), "check=[]");
   Diagnostics diagnostics;
-  auto prepared =
-      Prepare("scenarios/pressure/hil_load_step.toml", {std::move(overrides), "", nullptr}, BuiltIns(), diagnostics);
+  auto prepared = Prepare("scenarios/pressure/hil_load_step.toml", {std::move(overrides), "", nullptr}, FullRegistry(),
+                          diagnostics);
   EXPECT_NE(prepared, nullptr) << diagnostics.Format();
   return prepared;
 }

@@ -9,7 +9,7 @@
 
 #include "experiment/golden.h"
 #include "experiment/settings.h"
-#include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {
@@ -23,7 +23,7 @@ const Picture* Find(const RunPictures& run, const std::string& key) {
 
 std::unique_ptr<Prepared> Shipped(const std::string& file, const std::vector<std::string>& overrides = {}) {
   Diagnostics diagnostics;
-  auto prepared = Prepare("scenarios/" + file, {overrides, "", nullptr}, testing::BuiltIns(), diagnostics);
+  auto prepared = Prepare("scenarios/" + file, {overrides, "", nullptr}, testing::FullRegistry(), diagnostics);
   EXPECT_NE(prepared, nullptr) << diagnostics.Format();
   return prepared;
 }
@@ -59,7 +59,7 @@ TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
   figure.number = "5.5";
   figure.scenarios = {"backlash/clamped"};
   figure.pictures = {"no such picture"};
-  const std::vector<DrawnFigure> drawn = Draw(testing::BuiltIns(), {figure});
+  const std::vector<DrawnFigure> drawn = Draw(testing::FullRegistry(), {figure});
   ASSERT_EQ(drawn.size(), 1u);
   EXPECT_THAT(drawn[0].fault, ::testing::HasSubstr("no such picture"));
 }
@@ -67,7 +67,7 @@ TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
 TEST(Settings, TellWhatWasGivenWhereAndWhatWasNot) {
   const auto prepared = Shipped("suppression/adaptive.toml", {"plant.inertia.I5=0.1"});
   std::map<std::string, Setting> settings;
-  for (const Setting& setting : SettingsOf(prepared->plan, testing::BuiltIns())) settings[setting.path] = setting;
+  for (const Setting& setting : SettingsOf(prepared->plan, testing::FullRegistry())) settings[setting.path] = setting;
   EXPECT_EQ(settings.at("plant.inertia.I5").value, "0.1");
   EXPECT_EQ(settings.at("plant.inertia.I5").from, "--set");
   EXPECT_THAT(settings.at("plant.inertia.I4").from, ::testing::HasSubstr("_soft_rotor.toml:"));
@@ -96,6 +96,38 @@ TEST(Pictures, EachHasLabelsUnitsAndNumbers) {
       }
     }
   }
+}
+
+/// Nothing is compared a second time: the distances, the band and the place are those of the check.
+TEST(Pictures, DrawWhatWasJudged) {
+  std::vector<double> time, reference, run;
+  for (int i = 0; i <= 100; ++i) {
+    time.push_back(0.01 * i);
+    reference.push_back(i % 7);
+    run.push_back(reference.back() + (i == 60 ? 3.0 : 0.5));
+  }
+  score::Check check = score::AtMost("golden T", "tube", 3.0, 1.0, "half-widths", "a test");
+  check.stated = "golden";
+  check.evidence = score::BandEvidence({"T", "N m", "golden", "run"}, score::Evidence::Rule::kEverySample,
+                                       {time, reference}, {time, run}, 1.0);
+  ASSERT_NE(check.evidence, nullptr);
+  Rig rig;
+  rig.outputs.emplace_back().name = "T";
+  RunPictures pictures;
+  AddComparisons(rig, {&check, 1}, pictures);
+  const Picture *distances = Find(pictures, "distances"), *close_up = Find(pictures, "close_up:T");
+  ASSERT_TRUE(distances != nullptr && close_up != nullptr);
+  EXPECT_EQ(distances->curves.at(0).label, "golden T");
+  EXPECT_EQ(distances->curves[0].y, check.evidence->distance);
+  EXPECT_EQ(close_up->curves.at(0).y, check.evidence->test);
+  EXPECT_EQ(close_up->curves.at(1).y, check.evidence->reference);
+  EXPECT_NEAR(close_up->marks.at(0).at, 0.6, 1e-12);
+  EXPECT_THAT(close_up->title, ::testing::HasSubstr("leaves the tube around the golden trace"));
+
+  check.verdict = score::Verdict::kPass;
+  RunPictures passed;
+  AddComparisons(rig, {&check, 1}, passed);
+  EXPECT_EQ(Find(passed, "close_up:T"), nullptr) << "what passed needs no close-up";
 }
 
 /// At rest, sides touch at the half gap; at speed, with damping c, later or earlier by what the law says.

@@ -85,7 +85,7 @@ TEST(LoadStepCheck, RefusesADropWithoutWidth) {
   plan.root["check"] = Value::Array{check};
   const auto rig = testing::RigOf(plan);
   Diagnostics diagnostics;
-  ReadChecks(plan, *rig, diagnostics);
+  ReadChecks(plan, *rig, testing::FullRegistry(), diagnostics);
   EXPECT_THAT(diagnostics.Format(), HasSubstr("write [from, to] with from < to"));
 }
 

@@ -104,7 +104,7 @@ TEST(BoundedCheck, RefusesACheckWithoutBounds) {
                                           {"settling_s", 1.0},
                                           {"origin", ""}}};
   Diagnostics diagnostics;
-  ReadChecks(plan, *testing::RigOf(plan), diagnostics);
+  ReadChecks(plan, *testing::RigOf(plan), testing::FullRegistry(), diagnostics);
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no bound"));
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no output \"nothing\""));
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no input \"u_9\""));

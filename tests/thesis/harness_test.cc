@@ -15,6 +15,7 @@
 #include "sim/simulate.h"
 #include "sim/solver.h"
 #include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "tests/support/run_plan.h"
 #include "tests/support/temp_dir.h"
 
@@ -37,8 +38,9 @@ std::vector<double> AskHarness(const std::vector<double>& numbers, const char* m
 
 TEST(Core, InTheEngineIsBitForBitThatOfTheHarness) {
   Diagnostics diagnostics;
-  const auto prepared = Prepare("scenarios/suppression/adaptive.toml",
-                                {{"check=[]", "run.duration_s=1.2"}, "", nullptr}, testing::BuiltIns(), diagnostics);
+  const auto prepared =
+      Prepare("scenarios/suppression/adaptive.toml", {{"check=[]", "run.duration_s=1.2"}, "", nullptr},
+              testing::FullRegistry(), diagnostics);
   ASSERT_NE(prepared, nullptr) << diagnostics.Format();
   const Rig& rig = *prepared->rig;
   const auto solver = MakeSolver("realtime", rig);
@@ -75,7 +77,7 @@ TEST(TorqueControl, InTheEngineIsBitForBitThatOfTheHarness) {
   Diagnostics diagnostics;
   auto prepared =
       Prepare("scenarios/backlash/experiment_1.toml", {{"check=[]", "variant={}", "run.duration_s=0.3"}, "", nullptr},
-              testing::BuiltIns(), diagnostics);
+              testing::FullRegistry(), diagnostics);
   ASSERT_NE(prepared, nullptr) << diagnostics.Format();
   Value& outputs = prepared->plan.root["output"];
   outputs["i_a"] = Value{{"of", "part.im1.i_alpha"}};

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "experiment/golden.h"
-#include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {
@@ -57,7 +57,7 @@ TEST(Ledger, AClaimOfEachStandingIsReadAndStands) {
     const Diagnostics diagnostics = Read(Sound(standing), &claims);
     ASSERT_FALSE(diagnostics.has_errors()) << diagnostics.Format();
     ASSERT_EQ(claims.size(), 1u);
-    const ClaimResult result = Reproduce(testing::BuiltIns(), claims[0]);
+    const ClaimResult result = Reproduce(testing::FullRegistry(), claims[0]);
     EXPECT_TRUE(result.as_expected) << standing << result.fault;
     EXPECT_STREQ(ToString(result.standing), standing.c_str());
   }
@@ -227,7 +227,7 @@ TEST(Ledger, WhatWasEnteredWronglyStaysMended) {
 /// hides everything.
 TEST(SlowLedger, EveryClaimStandsAsItSaysWithinItsTolerance) {
   for (Claim claim : Shipped()) {
-    const ClaimResult result = Reproduce(testing::BuiltIns(), claim);
+    const ClaimResult result = Reproduce(testing::FullRegistry(), claim);
     EXPECT_TRUE(result.as_expected) << claim.id << ": " << result.fault << " ours "
                                     << (result.ours ? result.ours->value : NAN);
     if (!result.ours || claim.expect == "contradicted" || claim.expect == "misprint") continue;
@@ -245,7 +245,7 @@ TEST(Ledger, AFigureInAnotherUnitIsAFault) {
   for (Claim claim : Shipped()) {
     if (claim.expect != "reproduced") continue;
     claim.unit = claim.unit == "Pa" ? "K" : "Pa";
-    const ClaimResult result = Reproduce(testing::BuiltIns(), claim);
+    const ClaimResult result = Reproduce(testing::FullRegistry(), claim);
     EXPECT_FALSE(result.as_expected);
     EXPECT_NE(result.fault, "");
     return;

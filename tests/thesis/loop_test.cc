@@ -9,7 +9,7 @@
 #include "experiment/prepare.h"
 #include "sim/simulate.h"
 #include "sim/solver.h"
-#include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "thesis/suppression_case.h"
 #include "thesis/suppression_loop.h"
 #include "thesis/torque_loop.h"
@@ -79,7 +79,7 @@ TEST(SuppressionLoop, IsTheEnginesScenario) {
               {{"check=[]", "run.duration_s=1.2", "output.T_shaft.sensor=[]", "input.omega_ref.source.value=0.05"},
                "",
                nullptr},
-              testing::BuiltIns(), diagnostics);
+              testing::FullRegistry(), diagnostics);
   ASSERT_NE(prepared, nullptr) << diagnostics.Format();
   const auto solver = MakeSolver("realtime", *prepared->rig);
   const auto samples = Simulate(*prepared->rig, **solver);

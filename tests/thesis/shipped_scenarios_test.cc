@@ -10,7 +10,7 @@
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
 #include "scenario/load.h"
-#include "tests/support/build.h"
+#include "tests/support/registry.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {
@@ -60,7 +60,7 @@ TEST_P(Reference, HoldsToo) {
   Diagnostics diagnostics;
   PrepareOptions with;
   with.solver = "reference";
-  const std::unique_ptr<Prepared> prepared = Prepare(GetParam(), with, testing::BuiltIns(), diagnostics);
+  const std::unique_ptr<Prepared> prepared = Prepare(GetParam(), with, testing::FullRegistry(), diagnostics);
   ASSERT_NE(prepared, nullptr) << diagnostics.Format();
   RunOptions options;
   options.out = folder.path().string();
