@@ -107,7 +107,9 @@ Result<std::vector<double>> CheckContext::Oracle(const std::string& oracle, cons
     if (!answer.ok()) return answer.failure();
     for (auto& [name, values] : *answer) answers[name] = std::move(values);
   }
-  return answers.at(output);
+  const auto answer = answers.find(output);
+  if (answer != answers.end()) return answer->second;
+  return Failure{.message = "it has no answer for this output", .signal = output, .exit_code = 3};
 }
 
 namespace {
@@ -351,10 +353,33 @@ std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& 
   return checks;
 }
 
+namespace {
+
+/// Why a check cannot judge: a signal that it looks at has no samples, or one that is no number. Empty: it can.
+std::string FaultOfSignals(const CheckPlan& check, const CheckContext& context) {
+  std::vector<std::string> names = check.Signals();
+  const std::vector<std::string> inputs = check.Inputs();
+  names.insert(names.end(), inputs.begin(), inputs.end());
+  for (const std::string& name : names) {
+    std::string fault = score::FaultOf(SeriesOf(context.samples(), context.rig(), name), name);
+    if (!fault.empty()) return fault;
+  }
+  return {};
+}
+
+}  // namespace
+
 std::vector<score::Check> RunChecks(const std::vector<std::unique_ptr<CheckPlan>>& checks, CheckContext& context) {
   std::vector<score::Check> results;
   for (const auto& check : checks) {
-    std::vector<score::Check> made = check->Run(context);
+    std::string fault = FaultOfSignals(*check, context);
+    std::vector<score::Check> made;
+    if (fault.empty()) {
+      made = check->Run(context);
+    } else {
+      made.push_back(FailedCheck(check->kind.c_str(), check->kind, 0.0, "1",
+                                 "what has no samples, or one that is no number, proves nothing", std::move(fault)));
+    }
     if (made.empty()) made.emplace_back().name = "a check without a result";  // a fresh Check fails
     for (score::Check& one : made) {
       one.stated = check->kind;

@@ -20,7 +20,8 @@ void RegisterChecks(Registry& registry);
 std::vector<std::unique_ptr<CheckPlan>> ReadChecks(const Plan& plan, const Rig& rig, const Registry& registry,
                                                    Diagnostics& diagnostics);
 
-/// Makes the checks one after the other; each result says what kind stated it. One that says nothing is a failed one.
+/// Makes the checks one after the other; each result says what kind stated it. One that says nothing is a failed one, and
+/// so is one whose signals have no samples, or one that is not finite: no kind is asked then.
 std::vector<score::Check> RunChecks(const std::vector<std::unique_ptr<CheckPlan>>& checks, CheckContext& context);
 
 /// Whether every check can be made on the scenario that states it; what cannot is an error at its place. Asked before

@@ -34,7 +34,7 @@ Result<Figures> Run(const Registry& registry, const std::string& scenario, const
   context.trace = &course->trace;
   context.registry = &registry;
   context.records = prepared->records.get();
-  for (const auto& check : prepared->checks) check->Run(context);
+  RunChecks(prepared->checks, context);
   return context.figures;
 }
 

@@ -45,7 +45,7 @@ struct CheckBed {
     const auto checks = ReadChecks(plan, *rig, testing::FullRegistry(), diagnostics);
     EXPECT_FALSE(diagnostics.has_errors()) << diagnostics.Format();
     CheckContext context(plan, *rig, samples, "realtime");
-    std::vector<score::Check> made = checks.at(0)->Run(context);
+    std::vector<score::Check> made = RunChecks(checks, context);
     if (figures != nullptr) *figures = context.figures;
     return made;
   }
