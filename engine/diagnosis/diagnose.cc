@@ -10,6 +10,7 @@
 
 #include "diagnosis/follow_play.h"
 #include "diagnosis/judgement.h"
+#include "linear/decompositions.h"
 
 namespace dynoproof::diagnosis {
 namespace {

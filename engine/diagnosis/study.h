@@ -12,6 +12,7 @@
 #include "diagnosis/doubt.h"
 #include "experiment/prediction_windows.h"
 #include "experiment/records.h"
+#include "linear/decompositions.h"
 #include "model/registry.h"
 
 namespace dynoproof::diagnosis {

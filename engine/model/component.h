@@ -8,10 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "linear/network.h"
-#include "model/linear_part.h"
-
 namespace dynoproof {
+
+// Matrices stay behind these names, so that what only knows components does not read Eigen.
+struct LinearPart;  // model/linear_part.h
+namespace mechanics {
+struct Network;  // linear/network.h
+}
 
 /// A scalar input, output or state.
 struct Port {

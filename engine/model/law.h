@@ -9,6 +9,11 @@
 
 namespace dynoproof {
 
+/// The part of a law that a network takes into K and C.
+struct SpringDamper {
+  double stiffness = 0.0, damping = 0.0;
+};
+
 /// What a law may look at. In a translational network read stretch, speed and force.
 struct LawView {
   double time_s;

@@ -6,15 +6,9 @@
 #include <vector>
 
 #include "linear/linear_system.h"
+#include "model/law.h"
 
 namespace dynoproof {
-
-class Law;
-
-/// The part of a law that a network takes into K and C.
-struct SpringDamper {
-  double stiffness = 0.0, damping = 0.0;
-};
 
 /// One nonlinear law. It sees twist and rate, and answers with the torque beyond its linear spring and damper.
 struct Channel {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "linear/linear_system.h"
+#include "model/linear_part.h"
 #include "sim/rig.h"
 
 namespace dynoproof {

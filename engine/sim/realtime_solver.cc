@@ -13,6 +13,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "linear/decompositions.h"
 #include "linear/modal_form.h"
 #include "linear/propagator.h"
 #include "model/law.h"

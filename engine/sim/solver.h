@@ -8,10 +8,13 @@
 #include <string>
 
 #include "base/status.h"
-#include "linear/decompositions.h"
 #include "sim/rig.h"
 
 namespace dynoproof {
+
+namespace mechanics {
+class Decompositions;
+}
 
 class Solver {
  public:

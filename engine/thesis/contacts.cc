@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "experiment/checks.h"
+#include "linear/network.h"
 
 namespace dynoproof {
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/units.h"
+#include "model/linear_part.h"
 #include "tests/support/build.h"
 #include "tests/support/readme_examples.h"
 

@@ -1,6 +1,7 @@
 // Linear stages, for inputs and outputs alike: `gain`, `first_order_lag`, `delay`. All are propagated exactly.
 #pragma once
 
+#include "model/linear_part.h"
 #include "plugins/stage.h"
 
 namespace dynoproof::stages {

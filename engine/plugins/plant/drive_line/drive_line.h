@@ -17,6 +17,7 @@
 #include "linear/network.h"
 #include "model/component.h"
 #include "model/law.h"
+#include "model/linear_part.h"
 #include "model/registry.h"
 
 namespace dynoproof {

@@ -12,6 +12,7 @@
 // flow, leak and friction as channels; while the valve stays open the only steps left are constants.
 #pragma once
 
+#include "model/linear_part.h"
 #include "model/registry.h"
 #include "plugins/law/dry_friction/dry_friction.h"
 #include "plugins/physics/gas_flow.h"
