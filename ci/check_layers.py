@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Holds every #include of the engine against the layers: dependencies point down only."""
+"""Holds every #include of the engine against the layers: dependencies point down only. And every source has a header of
+its own name, so that what it gives is found by its name."""
 import pathlib
 import re
 import sys
@@ -31,6 +32,17 @@ KNOW_THESIS = ["engine/thesis/commands/", "engine/app/main.cc", "engine/app/app.
 COMMANDS_MAY_INCLUDE = ["app", "reports"]
 FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 
+# Sources without a header of their own name, and where what they give is declared.
+DECLARED_ELSEWHERE = {
+    "engine/app/main.cc": "nothing but main()",
+    "engine/plugins/register_all.cc": "model/registry.h: RegisterBuiltIns()",
+    "engine/sim/realtime_solver.cc": "sim/solver.h: one of two implementations",
+    "engine/sim/reference_solver.cc": "sim/solver.h: the other one",
+    "engine/plugins/plant/drive_line/drive_line_builder.cc": "drive_line.h: DriveLine::Create()",
+    "engine/plugins/plant/drive_line/drive_line_traits.cc": "drive_line.h: DriveLine::Traits()",
+    "engine/diagnosis/polish.cc": "fit.h: Fitter::Polish()",
+}  # and commands (*_command.cc), each an Add...() in app.h
+
 root = pathlib.Path(__file__).resolve().parent.parent
 faults = []
 for layer, below in MAY_INCLUDE.items():
@@ -43,5 +55,12 @@ for layer, below in MAY_INCLUDE.items():
                 allowed += ["thesis", *COMMANDS_MAY_INCLUDE]
             if match and match[1] in MAY_INCLUDE and match[1] not in allowed:
                 faults.append(f"{path.relative_to(root)}:{number}: {layer} must not include {match[1]}")
+for path in sorted((root / "engine").rglob("*.cc")) + sorted((root / "reports").rglob("*.cc")):
+    name = str(path.relative_to(root))
+    if not path.with_suffix(".h").exists() and name not in DECLARED_ELSEWHERE and not name.endswith("_command.cc"):
+        faults.append(f"{name}: has no header of its name: give it one, or merge it")
+for name in DECLARED_ELSEWHERE:
+    if (root / name).with_suffix(".h").exists() or not (root / name).exists():
+        faults.append(f"ci/check_layers.py: {name} is no exception any more")
 print("\n".join(faults) if faults else f"layers: {len(MAY_INCLUDE)} hold")
 sys.exit(1 if faults else 0)

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "campaign/summary.h"
 #include "campaign/table.h"
 
 namespace dynoproof::reports {

@@ -7,6 +7,7 @@
 #include "experiment/budget.h"
 #include "experiment/prepare.h"
 #include "reports/run_report.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {

@@ -15,6 +15,7 @@
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
 #include "reports/run_report.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "trace/trace_io.h"
 

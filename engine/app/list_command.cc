@@ -9,6 +9,7 @@
 #include "app/examples.h"
 #include "experiment/prepare.h"
 #include "experiment/warnings.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {

@@ -4,6 +4,7 @@
 
 #include "experiment/prepare.h"
 #include "model/effect.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {

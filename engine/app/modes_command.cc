@@ -8,6 +8,7 @@
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
 #include "reports/run_report.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {

@@ -18,6 +18,7 @@
 #include "experiment/warnings.h"
 #include "reports/run_page.h"
 #include "reports/run_report.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {

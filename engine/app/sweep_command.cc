@@ -13,6 +13,7 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "campaign/slurm.h"
+#include "campaign/summary.h"
 #include "campaign/table.h"
 #include "campaign/workers.h"
 #include "reports/campaign_page.h"

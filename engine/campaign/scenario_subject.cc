@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "sim/batch.h"
 #include "trace/trace_io.h"

@@ -1,4 +1,6 @@
 // What the rows of a campaign say together.
+#include "campaign/summary.h"
+
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>

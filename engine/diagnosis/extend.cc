@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "experiment/measured_record.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "score/series.h"
 

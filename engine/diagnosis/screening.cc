@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "diagnosis/noise.h"
+#include "score/align.h"
 #include "score/nrmse.h"
 
 namespace dynoproof::diagnosis {

@@ -1,3 +1,5 @@
+#include "experiment/check_resonances.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <numbers>
 
 #include "experiment/analysis.h"
-#include "experiment/check_kinds.h"
 #include "score/peaks.h"
 #include "score/response.h"
 

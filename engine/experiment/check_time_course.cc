@@ -1,11 +1,11 @@
-// Checks of the course of a run: its dominant oscillation, whether an output follows an input.
+#include "experiment/check_time_course.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "experiment/check_kinds.h"
 #include "score/spectrum.h"
 
 namespace dynoproof {

@@ -1,11 +1,11 @@
-// The check of chaotic motion: the realtime solver put back on the state of the reference every window.
+#include "experiment/check_windows.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "experiment/check_kinds.h"
 #include "sim/solver.h"
 
 namespace dynoproof {

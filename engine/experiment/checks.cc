@@ -6,7 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "experiment/check_kinds.h"
+#include "experiment/check_resonances.h"
+#include "experiment/check_time_course.h"
+#include "experiment/check_windows.h"
+#include "experiment/golden.h"
 #include "experiment/why.h"
 #include "oracles/oracle.h"
 #include "score/nrmse.h"

@@ -10,9 +10,9 @@
 
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "experiment/check_kinds.h"
 #include "experiment/measured_record.h"
 #include "experiment/why.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "score/tube.h"
 #include "trace/trace_io.h"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/status.h"
+#include "experiment/check.h"
 #include "experiment/golden_place.h"
 #include "model/params.h"
 #include "model/plan.h"
@@ -105,5 +106,19 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& run);
 std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
                                         const std::map<std::string, GoldenTolerances::OfSignal>& tolerances,
                                         const std::string& kind);
+
+/// The run against the golden trace of the scenario, with its tolerances (golden_place.h).
+class GoldenCheck : public CheckPlan {
+ public:
+  struct Params {
+    void Visit(auto&) {}
+  };
+  static constexpr const char* kName = "golden";
+  static constexpr const char* kSummary =
+      "the trace against the golden one that `bless` keeps, within the tolerances beside that";
+  explicit GoldenCheck(Params) {}
+  std::vector<std::string> Signals() const override { return {}; }
+  std::vector<score::Check> Run(CheckContext& context) const override;
+};
 
 }  // namespace dynoproof

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "experiment/golden.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof {

@@ -9,6 +9,8 @@
 #include <set>
 
 #include "experiment/golden.h"
+#include "experiment/pictures_frequency.h"
+#include "experiment/pictures_phase_plane.h"
 #include "score/evidence.h"
 
 namespace dynoproof {

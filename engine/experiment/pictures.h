@@ -71,9 +71,6 @@ void AddPictureMaker(PictureMaker maker);
 void AddCourses(const Prepared& prepared, const Course& course, std::span<const score::Check> checks,
                 RunPictures& pictures);
 void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPictures& pictures);
-void AddSpectra(const Prepared& prepared, const Course& course, RunPictures& pictures);
-void AddResponses(const Prepared& prepared, const Course& course, RunPictures& pictures);
-void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures);
 void AddTiming(const Course& course, RunPictures& pictures);
 
 }  // namespace dynoproof

@@ -1,5 +1,7 @@
 // Pictures over frequency: hull curve and response of a chirp, spectra, the plant's frequency response, poles and
 // zeros.
+#include "experiment/pictures_frequency.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <numbers>
 
 #include "experiment/analysis.h"
-#include "experiment/pictures.h"
 #include "score/response.h"
 #include "score/spectrum.h"
 

@@ -1,10 +1,11 @@
 // Pictures of laws with play: the phase plane of the shaft.
+#include "experiment/pictures_phase_plane.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/pictures.h"
 #include "model/law.h"
 
 namespace dynoproof {

@@ -13,6 +13,7 @@
 #include "model/params.h"
 #include "scenario/load.h"
 #include "trace/csv.h"
+#include "trace/hdf5_record.h"
 #include "trace/mat.h"
 
 namespace dynoproof {

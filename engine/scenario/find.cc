@@ -1,4 +1,6 @@
 // Where scenarios live and how a user's word for one is understood.
+#include "scenario/find.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

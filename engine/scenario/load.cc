@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "scenario/find.h"
 
 namespace dynoproof {
 namespace {

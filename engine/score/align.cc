@@ -1,4 +1,6 @@
 // FitGainOffsetShift of nrmse.h: least squares over gain, offset and shift.
+#include "score/align.h"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

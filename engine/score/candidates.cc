@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "score/align.h"
 #include "score/nrmse.h"
 
 namespace dynoproof::score {

@@ -37,26 +37,12 @@ void AddScalings(const Pair& pair, const std::string& unit, Candidates& out);
 /// the reference, with `start_s` and `step_s` of the pair as its time base.
 void AddFineShift(const Pair& pair, const Series& test, Candidates& out);
 
-/// A difference that decays from the start: an exponential, or up to three ringing modes.
-void AddStartValue(const Pair& pair, const std::string& unit, Candidates& out);
-
-/// One resonance moved or damped differently: test = k F(reference) with one pair of poles exchanged for another.
-void AddResonance(const Pair& pair, Candidates& out);
-
 /// Events shifted (the reference warped in time to the test's events), in another order, missing or extra.
 void AddEvents(const Pair& pair, const ExplainOptions& options, Candidates& out);
-
-/// White noise, and a divergence that starts at a moment. Only asked when nothing else explains the difference.
-void AddNoise(const Pair& pair, const std::string& unit, Candidates& out);
-void AddDivergence(const Pair& pair, Candidates& out);
 
 /// R^2 of the regression of `residual` (from sample `first` of the pair) on functions of the reference: x earlier and
 /// later by up to 63 samples (any short linear filter), x|x|, x^3, t x, t x', t. Near 0 for what has nothing to do with
 /// it.
 double RelationToReference(const Pair& pair, std::span<const double> residual, std::size_t first);
-
-/// How far the autocorrelation of a centred record over `lags` exceeds chance (Ljung-Box), as a score of the normal
-/// distribution: white records exceed 3.1 once in a thousand.
-double WhitenessScore(std::span<const double> centred, std::size_t lags);
 
 }  // namespace dynoproof::score

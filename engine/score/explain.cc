@@ -8,6 +8,9 @@
 #include <utility>
 
 #include "score/candidates.h"
+#include "score/residual_tests.h"
+#include "score/resonance.h"
+#include "score/start_value.h"
 
 namespace dynoproof::score {
 namespace {

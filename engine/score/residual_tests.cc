@@ -1,10 +1,11 @@
 // Candidates of candidates.h that look at the difference alone: noise, and a divergence that starts at a moment.
+#include "score/residual_tests.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "score/candidates.h"
 #include "score/fft.h"
 
 namespace dynoproof::score {

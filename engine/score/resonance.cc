@@ -5,6 +5,8 @@
 //
 // takes the old pole pair out of the reference and puts the new one in. For a plant with well separated modes the ratio
 // of the two responses near the mode is just that, whatever the excitation was.
+#include "score/resonance.h"
+
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -13,8 +15,8 @@
 #include <limits>
 #include <numbers>
 
-#include "score/candidates.h"
 #include "score/fft.h"
+#include "score/residual_tests.h"
 
 namespace dynoproof::score {
 namespace {

@@ -1,4 +1,6 @@
 // Candidate of candidates.h: the two started from other values, so their difference decays.
+#include "score/start_value.h"
+
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -9,7 +11,6 @@
 #include <complex>
 #include <numbers>
 
-#include "score/candidates.h"
 #include "score/fft.h"
 
 namespace dynoproof::score {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/subnormals.h"
+#include "sim/blocks.h"
 
 namespace dynoproof {
 

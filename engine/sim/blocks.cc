@@ -1,11 +1,8 @@
-// Evaluation of blocks one after the other; shared by both solvers.
-#include <fmt/format.h>
+#include "sim/blocks.h"
 
 #include <algorithm>
 #include <memory>
 #include <vector>
-
-#include "sim/solver.h"
 
 namespace dynoproof {
 namespace {
@@ -115,12 +112,6 @@ void StartBlocks(const Rig& rig, Frame& frame) {
       EvaluateBlock(block, 0.0, frame.states, frame.modes, frame.signals);
     }
   }
-}
-
-Result<std::unique_ptr<Solver>> MakeSolver(const std::string& name, const Rig& rig) {
-  if (name == "reference") return MakeReferenceSolver(rig);
-  if (name == "realtime") return MakeRealtimeSolver(rig);
-  return Failure{fmt::format("there is no solver \"{}\"; known: realtime, reference", name)};
 }
 
 }  // namespace dynoproof

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "sim/blocks.h"
 #include "sim/solver.h"
 
 namespace dynoproof {

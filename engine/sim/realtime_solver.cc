@@ -17,6 +17,7 @@
 #include "linear/modal_form.h"
 #include "linear/propagator.h"
 #include "model/law.h"
+#include "sim/blocks.h"
 #include "sim/linear_group.h"
 #include "sim/solver.h"
 #include "sim/substep.h"

@@ -2,6 +2,7 @@
 // located; the integrator restarts after each, and wherever a held signal changes.
 #include <fmt/format.h>
 
+#include "sim/blocks.h"
 #include "sim/integrators.h"
 #include "sim/solver.h"
 

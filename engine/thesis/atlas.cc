@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <set>
 
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof {

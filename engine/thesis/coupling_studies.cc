@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "score/nrmse.h"
 #include "sim/solver.h"

@@ -1,9 +1,9 @@
 // Pictures of hydrodynamic couplings: stiffness and damping over frequency.
+#include "thesis/pictures_coupling.h"
+
 #include <fmt/format.h>
 
-#include "experiment/pictures.h"
 #include "thesis/coupling.h"
-#include "thesis/pictures.h"
 
 namespace dynoproof {
 namespace {

@@ -1,4 +1,6 @@
 // Pictures of the torque-feedthrough loop of thesis chapter 5: open loop, Nyquist curve, poles, phase of the filters.
+#include "thesis/pictures_loop.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +9,6 @@
 
 #include "control10k/classical.h"
 #include "experiment/analysis.h"
-#include "experiment/pictures.h"
-#include "thesis/pictures.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "plugins/physics/gas_flow.h"
 #include "plugins/plant/engine_bank/gas_exchange.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/pressure_loops.h"
 #include "thesis/speed_loop.h"

@@ -6,7 +6,8 @@
 #include "thesis/check_load_step.h"
 #include "thesis/check_pressure.h"
 #include "thesis/check_suppression.h"
-#include "thesis/pictures.h"
+#include "thesis/pictures_coupling.h"
+#include "thesis/pictures_loop.h"
 #include "thesis/suppression_subject.h"
 
 namespace dynoproof {

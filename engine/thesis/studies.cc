@@ -8,6 +8,7 @@
 
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/coupling_studies.h"
 #include "thesis/descriptions.h"
@@ -16,8 +17,10 @@
 #include "thesis/parametrisation.h"
 #include "thesis/pressure_studies.h"
 #include "thesis/speed_loop.h"
+#include "thesis/studies_backlash.h"
 #include "thesis/studies_printed.h"
 #include "thesis/studies_runs.h"
+#include "thesis/studies_slips.h"
 #include "thesis/suppression_studies.h"
 #include "thesis/two_mass.h"
 

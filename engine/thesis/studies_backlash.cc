@@ -1,4 +1,6 @@
 // Studies of chapter 3: what a claim says of the motion through a gap, computed.
+#include "thesis/studies_backlash.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,9 +8,9 @@
 #include <numbers>
 
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/contacts.h"
-#include "thesis/studies.h"
 
 namespace dynoproof {
 namespace {

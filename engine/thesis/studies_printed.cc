@@ -10,6 +10,7 @@
 
 #include "base/random.h"
 #include "linear/zeros.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/parametrisation.h"
 

@@ -8,7 +8,4 @@ namespace dynoproof {
 
 /// studies_printed.cc: tables, sizes, and the forms of chapters 2, 3 and 5 that need a computation of some length.
 std::map<std::string, Study, std::less<>> PrintedStudies();
-/// studies_slips.cc: one formula each.
-std::map<std::string, Study, std::less<>> SlipStudies();
-
 }  // namespace dynoproof

@@ -6,6 +6,7 @@
 
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof {

@@ -1,13 +1,13 @@
 // Formulas whose print has slipped: each study gives how far the formula is from what it stands for, as printed or as
 // it should read. Nothing here uses the engine's own versions of them.
+#include "thesis/studies_slips.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <vector>
-
-#include "thesis/studies_printed.h"
 
 namespace dynoproof {
 namespace {

@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "control10k/spectrum.h"
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "sim/solver.h"
 #include "thesis/suppression_loop.h"

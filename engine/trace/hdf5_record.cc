@@ -1,4 +1,6 @@
 // The part of record.h that reads HDF5 files.
+#include "trace/hdf5_record.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

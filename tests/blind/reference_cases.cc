@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "score/series.h"
 #include "sim/simulate.h"

@@ -1,10 +1,10 @@
 // The checks of a run's course on courses made by hand.
+#include "experiment/check_time_course.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-
-#include "experiment/check_kinds.h"
 
 namespace dynoproof {
 namespace {

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "scenario/find.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "score/align.h"
 #include "score/explain.h"
 #include "tests/score/signals.h"
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "score/align.h"
 #include "tests/score/signals.h"
 
 namespace dynoproof::score {

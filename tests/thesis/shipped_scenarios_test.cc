@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "tests/support/registry.h"
 #include "tests/support/temp_dir.h"

@@ -1,3 +1,5 @@
+#include "trace/hdf5_record.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiment/prepare.h"
+#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/commands/commands.h"
 #include "thesis/coupling.h"

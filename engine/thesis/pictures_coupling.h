@@ -1,4 +1,4 @@
-// Pictures of the thesis' chapters 4 and 5, each appending what applies to the scenario.
+// Pictures of hydrodynamic couplings, chapter 4: appended where they apply.
 #pragma once
 
 #include "experiment/pictures.h"
@@ -6,6 +6,5 @@
 namespace dynoproof {
 
 void AddCouplings(const Prepared& prepared, const Course& course, RunPictures& pictures);
-void AddLoop(const Prepared& prepared, const Course& course, RunPictures& pictures);
 
 }  // namespace dynoproof
