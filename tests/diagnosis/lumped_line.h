@@ -5,16 +5,18 @@
 
 #include <optional>
 
+#include "experiment/checks.h"
 #include "experiment/prepare.h"
 #include "scenario/load.h"
 
 namespace dynoproof::diagnosis {
 
-/// The lumped heavy-duty line with all built-in plugins.
+/// The lumped heavy-duty line with all built-in plugins and kinds of checks.
 class LumpedLine : public testing::Test {
  protected:
   LumpedLine() {
     RegisterBuiltIns(registry_);
+    RegisterChecks(registry_);
     Diagnostics diagnostics;
     plan_ = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
   }
