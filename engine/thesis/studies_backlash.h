@@ -5,8 +5,7 @@
 
 namespace dynoproof {
 
-/// A figure of the first impact in a scenario with play, and of one rigid mass
-/// instead.
+/// A figure of the first impact in a scenario with play, and of one rigid mass instead.
 Result<Figure> BacklashImpact(const Registry& registry, const Value& parameters);
 Result<Figure> BacklashRigidMass(const Registry& registry, const Value& parameters);
 /// How far two laws with play are apart in a signal (omega_1 unless said) up to an impact of the first.

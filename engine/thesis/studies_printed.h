@@ -6,6 +6,7 @@
 
 namespace dynoproof {
 
-/// studies_printed.cc: tables, sizes, and the forms of chapters 2, 3 and 5 that need a computation of some length.
+/// Tables, sizes, and the forms of chapters 2, 3 and 5 that need a computation of some length.
 std::map<std::string, Study, std::less<>> PrintedStudies();
+
 }  // namespace dynoproof
