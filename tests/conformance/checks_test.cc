@@ -2,6 +2,7 @@
 // has no samples or whose samples are no numbers. A new kind adds one row.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 
