@@ -7,6 +7,8 @@
 #include <random>
 
 #include "diagnosis/diagnose.h"
+#include "tests/diagnosis/line_record.h"
+#include "tests/diagnosis/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -103,6 +105,90 @@ TEST(ResidualTests, EachFieldIsTheTestOfItsName) {
   EXPECT_EQ(TestsOf({driven}).white(), std::optional(true));
   EXPECT_EQ(TestsOf({driven}).independent_of_inputs(), std::optional(false));
   EXPECT_EQ(*TestsOf({coloured, driven}).regression_p_value, 1e-8);
+}
+
+/// Residuals made by hand beside the signals of a line's record.
+class ResidualStructure : public LumpedLine {
+ protected:
+  static constexpr std::size_t kRows = 6000;
+
+  ResidualStructure()
+      : study_(*plan_, {LineRecord(blind::IndependentLine(), blind::IndependentTorque(kRows, 11), 0.003)}, registry_) {}
+
+  /// What is found in the first channel for this residual of all rows.
+  Structure In(const Eigen::VectorXd& residual) const {
+    return FindStructure(study_, residual, study_.measured()).front();
+  }
+  Eigen::Index rows() const { return study_.measured().size(); }
+
+  Study study_;
+};
+
+// By the null hypothesis of both tests, noise of whatever colour, their p values are uniform.
+TEST_F(ResidualStructure, NoiseOfAnyColourIsNone) {
+  std::mt19937 random(29);
+  constexpr int kRecords = 60;
+  int follows = 0, line = 0;
+  for (int k = 0; k < kRecords; ++k) {
+    const Structure found = In(Coloured(random, rows(), 0.3 * (k % 4), 0.2));
+    ASSERT_TRUE(found.tested);
+    EXPECT_FALSE(found.found()) << found.Text();
+    follows += found.p_value < 0.05 ? 1 : 0;
+    line += found.line_p_value < 0.05 ? 1 : 0;
+  }
+  // Binomial with 60 trials at 5 %: 3 with a standard deviation of 1.7; the bounds are four of them.
+  EXPECT_LE(follows, 9);
+  EXPECT_LE(line, 9);
+}
+
+// A share of the variance that the torque explains, a tone, and motion that a model has missed altogether. On a third of
+// the rows such a tone is found six times of ten: the autoregressive model of order 30 takes most of it for colour.
+TEST_F(ResidualStructure, ARelationALineAndARestOfTheSignalAreFound) {
+  std::mt19937 random(30);
+  const auto& torque = *study_.records().front().inputs.at("T_airgap").values;
+  const Channel& channel = study_.channels().front();
+  for (int k = 0; k < 10; ++k) {
+    Eigen::VectorXd noise = White(random, rows()), tone = noise, rest = noise;
+    double square = 0.0;
+    for (const double v : torque) square += v * v / static_cast<double>(torque.size());
+    for (Eigen::Index i = 0; i < channel.count; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      noise[i] += 0.3 * torque[row] / std::sqrt(square);                     // 8 % of the variance
+      tone[i] += 0.4 * std::sin(2.0 * M_PI * 437.0 * study_.time_s()[row]);  // 7 %
+      rest[i] = study_.measured()[i] - study_.measured().head(channel.count).mean() + 1e-3 * channel.spread * rest[i];
+    }
+    EXPECT_TRUE(In(noise).FollowsInputs()) << k;
+    const Structure line = In(tone);
+    EXPECT_TRUE(line.HasLine()) << k;
+    EXPECT_NEAR(line.line_hz, 437.0, 1.7);  // a bin of 0.6 s
+    EXPECT_TRUE(In(rest).TooLarge()) << k;
+  }
+}
+
+// What a sensor's white noise gives between 0.7 and 0.95 of the Nyquist frequency, whatever moves below.
+TEST(HighFrequencyFloors, IsTheNoiseUnderMotionAtLowFrequencies) {
+  std::mt19937 random(31);
+  for (int k = 0; k < 10; ++k) {
+    Eigen::VectorXd signal = 0.02 * White(random, 4000);
+    for (Eigen::Index i = 0; i < signal.size(); ++i) {
+      const auto t = static_cast<double>(i);
+      signal[i] += 3.0 * std::sin(0.013 * t) + std::sin(0.4 * t) + 2e-3 * t;
+    }
+    // The median of 500 exponentially distributed bins scatters by 1/(ln 2 sqrt(500)) = 6.5 % in power, 3.2 % in size.
+    EXPECT_NEAR(HighFrequencyFloor(signal), 0.02, 0.02 * 4.0 * 0.032);
+  }
+}
+
+// Burg's method against the model that made the record; nothing divides by zero where there is nothing.
+TEST(AutoRegression, ComesBack) {
+  std::mt19937 random(32);
+  const ArModel model = FitAr(Coloured(random, 20000, 0.7, 0.0), 3);
+  ASSERT_EQ(model.a.size(), 3u);
+  // Standard deviation of a coefficient: 1/sqrt(n) = 0.007; the bounds are four of them.
+  EXPECT_NEAR(model.a[0], 0.7, 0.028);
+  EXPECT_NEAR(model.a[1], 0.0, 0.028);
+  EXPECT_NEAR(model.sigma, 1.0, 0.02);
+  EXPECT_GT(FitAr(Eigen::VectorXd::Zero(100), 3).sigma, 0.0);
 }
 
 }  // namespace
