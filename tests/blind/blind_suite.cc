@@ -4,6 +4,7 @@
 // With --line the last line is a JSON object of counts: so a campaign makes case after case
 // (bench/campaigns/blind.toml).
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <boost/math/distributions/beta.hpp>
@@ -14,6 +15,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "model/registry.h"
@@ -50,13 +52,25 @@ void Write(const fs::path& file, const Columns& columns) {
 }
 
 struct Suite {
-  std::string program, out = "out/blind", kind, json_file;
+  std::string program, out = "out/blind", kind, generator, json_file;
   std::vector<std::string> scenarios, only;
   std::uint64_t seed = 1;
+  std::optional<std::uint64_t> number;  // this one alone
   int cases = 20;
   double duration_s = 4.0;
+  int most_cpu_s = 0;  // a diagnosis that takes more is stopped; 0: no limit
   bool line = false;
 };
+
+/// CPU seconds of all programs that this one has called and that have ended.
+double CpuOfPrograms() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
 
 /// Causes that a set names together: "a@b + c@d".
 std::set<std::string> TogetherIn(const std::string& names) {
@@ -144,8 +158,9 @@ int Run(const Suite& suite) {
   double seconds = 0.0;
   bool failed = false;
   int effects = 0, found = 0, wrong = 0, others = 0, alarms = 0, done = 0, at_noise = 0, right = 0;
-  for (std::uint64_t number = 0; done < suite.cases && number < 20ULL * static_cast<std::uint64_t>(suite.cases);
-       ++number) {
+  const std::uint64_t first = suite.number.value_or(0),
+                      end = suite.number ? first + 1 : 20ULL * static_cast<std::uint64_t>(suite.cases);
+  for (std::uint64_t number = first; done < suite.cases && number < end; ++number) {
     Dice dice(suite.seed, number);
     Case hidden;
     const double draw = dice.Uniform(0.0, 1.0);
@@ -156,8 +171,10 @@ int Run(const Suite& suite) {
                                       : "unknown";
     hidden.scenario = suite.scenarios[dice.Index(suite.scenarios.size())];
     hidden.noise = std::pow(10.0, dice.Uniform(-2.7, -1.7));
+    const double share = suite.generator.empty() ? kIndependent : suite.generator == "independent" ? 1.0 : 0.0;
     const bool independent = HasIndependent(hidden.scenario) && suite.only.empty() && hidden.kind != "pair" &&
-                             (hidden.kind == "unknown" || dice.Uniform(0, 1) < kIndependent);
+                             (hidden.kind == "unknown" || dice.Uniform(0, 1) < share);
+    if (suite.generator == "independent" && !independent) continue;
     hidden.generator = independent ? "independent" : "reference";
     if (hidden.kind == "unknown" && hidden.scenario != "diagnose/heavy_duty_lumped") continue;
     Columns columns;
@@ -185,17 +202,23 @@ int Run(const Suite& suite) {
     fs::create_directories(folder);
     Write(folder / "record.csv", columns);
     const auto begin = std::chrono::steady_clock::now();
-    const std::string command = fmt::format(
-        "{} diagnose {} --data {}/record.csv --out {} --json {}/result.json >{}/table.txt 2>{}/err.txt", suite.program,
-        hidden.scenario, folder.string(), folder.string(), folder.string(), folder.string(), folder.string());
+    const double cpu_before = CpuOfPrograms();
+    const std::string limit = suite.most_cpu_s > 0 ? fmt::format("ulimit -t {}; ", suite.most_cpu_s) : "";
+    const std::string command =
+        limit +
+        fmt::format("{} diagnose {} --data {}/record.csv --out {} --json {}/result.json >{}/table.txt 2>{}/err.txt",
+                    suite.program, hidden.scenario, folder.string(), folder.string(), folder.string(), folder.string(),
+                    folder.string());
     const int code = std::system(command.c_str());
+    const double cpu_s = CpuOfPrograms() - cpu_before;
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     json result;
     std::ifstream stream(folder / "result.json");
     if (code == 0 && stream) result = json::parse(stream, nullptr, false);
     if (!result.is_object()) result = json::object();
     // Only now is the truth looked at.
-    const std::string outcome = Judged(hidden, result);
+    const bool stopped = suite.most_cpu_s > 0 && code != 0 && cpu_s >= 0.99 * suite.most_cpu_s;
+    const std::string outcome = stopped ? "stopped" : Judged(hidden, result);
     ++done;
     seconds += took;
     failed = failed || outcome == "wrong" || outcome == "false alarm" || outcome == "broken";
@@ -223,8 +246,11 @@ int Run(const Suite& suite) {
       }
     }
     std::string named;
-    for (const json& one : result.value("effects", json::array()))
+    json confidence;
+    for (const json& one : result.value("effects", json::array())) {
+      if (confidence.is_null()) confidence = one.value("confidence", json());
       named += one["name"].get<std::string>() + "@" + one["at"].get<std::string>() + " ";
+    }
     std::cout << fmt::format("{:4} {:<12} {:<28} {:<38} size {:7.1f}  -> {:<12} {} {}({:.1f} s)\n", number,
                              hidden.generator, hidden.scenario, TruthOf(hidden), hidden.size, outcome,
                              result.value("verdict", "broken"), named, took)
@@ -247,18 +273,20 @@ int Run(const Suite& suite) {
                    {"inside", inside.first},
                    {"of", inside.second},
                    {"at_noise", predicts},
-                   {"seconds", took}});
+                   {"confidence", confidence},
+                   {"seconds", took},
+                   {"cpu_s", cpu_s}});
     if (outcome == "right") fs::remove_all(folder);
   }
   std::cout << "\n"
-            << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   inside 95 %\n", "truth", "right",
-                           "in the set", "abstained", "missed", "wrong", "false alarm", "broken");
+            << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}{:>9}   inside 95 %\n", "truth", "right",
+                           "in the set", "abstained", "missed", "wrong", "false alarm", "broken", "stopped");
   for (const auto* rows : {&confusion, &by_strength}) {
     for (const auto& [row, outcomes] : *rows) {
       const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
       std::cout << fmt::format(
-          "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}   {}\n", row, count("right"), count("in the set"),
-          count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"),
+          "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>13}{:>8}{:>9}   {}\n", row, count("right"), count("in the set"),
+          count("abstained"), count("missed"), count("wrong"), count("false alarm"), count("broken"), count("stopped"),
           covered.contains(row) ? fmt::format("{}/{}", covered[row].first, covered[row].second) : "");
     }
   }
@@ -277,7 +305,8 @@ int Run(const Suite& suite) {
                  {"predicted", at_noise},
                  {"parameters", all_covered.second},
                  {"inside", all_covered.first}};
-    for (const char* outcome : {"right", "in the set", "abstained", "missed", "wrong", "false alarm", "broken"}) {
+    for (const char* outcome :
+         {"right", "in the set", "abstained", "missed", "wrong", "false alarm", "broken", "stopped"}) {
       line[outcome] = 0;
       for (const auto& [row, outcomes] : confusion)
         line[outcome] = line[outcome].get<int>() + (outcomes.contains(outcome) ? outcomes.at(outcome) : 0);
@@ -297,8 +326,11 @@ constexpr const char* kHelp =
 
   --cases N        how many (20)
   --seed S         which ones (1)
+  --number N       the N-th of this seed alone, if it counts (an effect that hardly shows does not)
   --kind KIND      effect, pair, null, decoy or unknown; without it a mixture
   --scenario ID    where to hide; may be repeated (heavy_duty_lumped and r2r_soft of diagnose/)
+  --generator G    independent (shares no code with the engine; some scenarios have one) or reference; else both
+  --most-cpu S     stop a diagnosis after as many CPU seconds; the case is then neither right nor wrong
   --effect NAME    hide these only; may be repeated
   --duration S     of records of drive lines (4)
   --out DIR        records and results of cases that did not come out right (out/blind)
@@ -325,6 +357,12 @@ int main(int argc, char** argv) {
       suite.only.push_back(value());
     else if (word == "--kind")
       suite.kind = value();
+    else if (word == "--number")
+      suite.number = std::stoull(value());
+    else if (word == "--generator")
+      suite.generator = value();
+    else if (word == "--most-cpu")
+      suite.most_cpu_s = std::stoi(value());
     else if (word == "--duration")
       suite.duration_s = std::stod(value());
     else if (word == "--out")

@@ -63,11 +63,12 @@ std::vector<double> FullStrength(const Plan& plan, const Effect& effect, const P
   if (name == "stribeck_friction") return {0.05 * torque * u, 0.12 * torque * u, 0.2 * speed};
   if (name == "asymmetric_friction")
     return {0.07 * torque * u, 0.03 * torque * u, 0.02 * torque / speed, 0.005 * torque / speed};
-  if (name == "dahl_friction") return {0.06 * torque * u, 0.06 * torque * u / 0.01};
+  // Orders and pre-sliding angles of any value: drawn from a search's own starts they would be found too easily.
+  if (name == "dahl_friction") return {0.06 * torque * u, 0.06 * torque * u / dice.Uniform(0.003, 0.03)};
   if (name == "constant_load") return {0.05 * torque * u * dice.Sign()};
   if (name == "quadratic_drag") return {0.03 * torque / speed / speed * u};
   if (name == "torque_ripple")
-    return {0.05 * torque * u, std::vector<double>{1, 2, 4, 6, 12, 24}[dice.Index(6)], dice.Uniform(-3, 3)};
+    return {0.05 * torque * u, std::exp(dice.Uniform(std::log(0.7), std::log(26.0))), dice.Uniform(-3, 3)};
   if (name == "inertia_change") return {0.25 * u * (dice.Uniform(0, 1) < 0.3 ? -1.0 : 1.0)};
   if (name == "stiffness_change") return {0.2 * u * dice.Sign()};
   if (name == "damping_change") return {2.0 * u};
