@@ -9,7 +9,7 @@ FOLDERS = ["engine/diagnosis", "engine/experiment"]
 
 root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
 # Effects stand in the conformance table, each plant names itself in its Info().
-effects = re.findall(r'^    \{"(\w+)", \{', (root / "tests/conformance/effects_test.cc").read_text(), re.M)
+effects = re.findall(r'^    \{"(\w+)",', (root / "tests/conformance/effects_test.cc").read_text(), re.M)
 plants = [name for path in sorted((root / "engine/plugins/plant").rglob("*.cc"))
           for name in re.findall(r'return \{"plant",\s*"(\w+)"', path.read_text())]
 if not effects or not plants:

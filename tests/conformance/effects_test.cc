@@ -21,44 +21,65 @@ using testing::BuildLaw;
 using testing::BuiltIns;
 using testing::Differences;
 
-// All effects, by the names of the contract, with their parameters.
-const std::map<std::string, std::vector<std::string>> kContract = {
-    {"viscous_friction", {"b"}},
-    {"coulomb_friction", {"T_c"}},
-    {"stribeck_friction", {"T_c", "T_s", "w_s"}},
-    {"asymmetric_friction", {"T_c_pos", "T_c_neg", "b_pos", "b_neg"}},
-    {"dahl_friction", {"F_c", "sigma"}},
-    {"constant_load", {"T_0"}},
-    {"quadratic_drag", {"b2"}},
-    {"torque_ripple", {"A", "n", "theta"}},
-    {"inertia_change", {"delta"}},
-    {"stiffness_change", {"delta"}},
-    {"damping_change", {"delta"}},
-    {"distributed_inertia", {"I", "k_rotor", "c_rotor"}},
-    {"series_elasticity", {"k", "c"}},
-    {"cubic_stiffness", {"k3"}},
-    {"backlash", {"a"}},
-    {"gap_change", {"delta"}},
-    {"contact_free_damping", {"c_f"}},
-    {"oil_dynamics", {"k_s", "kappa_p", "k_p_kappa_w"}},
-    {"viscosity_drift", {"delta", "tau"}},
-    {"actuator_lag", {"tau"}},
-    {"actuator_delay", {"t_d"}},
-    {"actuator_gain", {"g"}},
-    {"actuator_saturation", {"limit"}},
-    {"actuator_dead_zone", {"width"}},
-    {"actuator_harmonic", {"h2", "h3"}},
-    {"sensor_gain", {"g"}},
-    {"sensor_offset", {"o"}},
-    {"sensor_delay", {"t_d"}},
-    {"sensor_lag", {"tau"}},
-    {"sensor_drift", {"slope"}},
-    {"sensor_rectified", {}},
-    {"leakage", {"A_leak"}},
-    {"flow_area_error", {"g"}},
-    {"actuator_hysteresis", {"width"}},
-    {"valve_stiction", {"F_c"}},
-    {"supply_droop", {"slope"}},
+/// What an effect leaves of the plan at its neutral strengths.
+enum class Neutral {
+  kByPlace,     // a load of no torque, a stage that changes nothing, or the plan as it was
+  kSameTorque,  // another law of the shaft, of the same torque
+  kNone,        // there is no such strength, or it is a test of its own in tests/plugins/effects_test.cc
+};
+
+/// What is asked of one effect.
+struct Row {
+  std::vector<std::string> parameters;
+  Neutral neutral = Neutral::kByPlace;
+  bool scales = false;                    // it multiplies one number of the plan and says which: ScaledParameter()
+  std::vector<std::string> touches = {};  // of the plan, where that is more than its place and a load of its name
+};
+
+// All effects, by the names of the contract, with their parameters. A new effect is one row here.
+const std::map<std::string, Row> kContract = {
+    {"viscous_friction", {{"b"}}},
+    {"coulomb_friction", {{"T_c"}}},
+    {"stribeck_friction", {{"T_c", "T_s", "w_s"}}},
+    {"asymmetric_friction", {{"T_c_pos", "T_c_neg", "b_pos", "b_neg"}}},
+    {"dahl_friction", {{"F_c", "sigma"}}},
+    {"constant_load", {{"T_0"}}},
+    {"quadratic_drag", {{"b2"}}},
+    {"torque_ripple", {{"A", "n", "theta"}}},
+    {"inertia_change", {.parameters = {"delta"}, .scales = true}},
+    {"stiffness_change", {.parameters = {"delta"}, .scales = true}},
+    {"damping_change", {.parameters = {"delta"}, .scales = true}},
+    {"distributed_inertia",
+     {.parameters = {"I", "k_rotor", "c_rotor"},
+      .neutral = Neutral::kNone,
+      .touches = {"plant.", "output.omega_1.of"}}},
+    {"series_elasticity",
+     {.parameters = {"k", "c"},
+      .neutral = Neutral::kNone,
+      .touches = {"plant.inertia.", "plant.shaft.", "plant.run.R."}}},
+    {"cubic_stiffness", {.parameters = {"k3"}, .neutral = Neutral::kSameTorque}},
+    {"backlash", {.parameters = {"a"}, .neutral = Neutral::kSameTorque}},
+    {"gap_change", {.parameters = {"delta"}, .scales = true}},
+    {"contact_free_damping", {.parameters = {"c_f"}, .neutral = Neutral::kSameTorque}},
+    {"oil_dynamics", {.parameters = {"k_s", "kappa_p", "k_p_kappa_w"}, .neutral = Neutral::kNone}},
+    {"viscosity_drift", {.parameters = {"delta", "tau"}, .neutral = Neutral::kSameTorque}},
+    {"actuator_lag", {{"tau"}}},
+    {"actuator_delay", {{"t_d"}}},
+    {"actuator_gain", {{"g"}}},
+    {"actuator_saturation", {{"limit"}}},
+    {"actuator_dead_zone", {{"width"}}},
+    {"actuator_harmonic", {{"h2", "h3"}}},
+    {"sensor_gain", {{"g"}}},
+    {"sensor_offset", {{"o"}}},
+    {"sensor_delay", {{"t_d"}}},
+    {"sensor_lag", {{"tau"}}},
+    {"sensor_drift", {{"slope"}}},
+    {"sensor_rectified", {.parameters = {}, .neutral = Neutral::kNone}},
+    {"leakage", {{"A_leak"}}},
+    {"flow_area_error", {{"g"}}},
+    {"actuator_hysteresis", {{"width"}}},
+    {"valve_stiction", {{"F_c"}}},
+    {"supply_droop", {{"slope"}}},
 };
 
 // Plans on which each of these effects has a place between them.
@@ -85,7 +106,7 @@ std::vector<double> Neutrals(const Effect& effect) {
 
 /// Every effect at every place of the sample plans.
 void ForEachUse(const std::function<void(const Effect&, const Plan&, const Place&)>& body) {
-  for (const auto& [name, parameters] : kContract) {
+  for (const auto& [name, row] : kContract) {
     const Effect* effect = BuiltIns().FindEffect(name);
     ASSERT_NE(effect, nullptr) << name;
     int places = 0;
@@ -101,12 +122,12 @@ void ForEachUse(const std::function<void(const Effect&, const Plan&, const Place
 }
 
 TEST(Effects, HaveTheNamesAndParametersOfTheContract) {
-  for (const auto& [name, parameters] : kContract) {
+  for (const auto& [name, row] : kContract) {
     const Effect* effect = BuiltIns().FindEffect(name);
     ASSERT_NE(effect, nullptr) << name;
     std::vector<std::string> names;
     for (const EffectParameter& parameter : effect->info().parameters) names.push_back(parameter.name);
-    EXPECT_EQ(names, parameters) << name;
+    EXPECT_EQ(names, row.parameters) << name;
   }
 }
 
@@ -135,7 +156,7 @@ TEST(Effects, HaveNoPlaceOnUnsuitablePlans) {
   bare.root.Erase("output");
   Plan broken = testing::LumpedPlan();
   broken.root["plant"]["load"] = Value(5.0);
-  for (const auto& [name, parameters] : kContract) {
+  for (const auto& [name, row] : kContract) {
     const Effect* effect = BuiltIns().FindEffect(name);
     ASSERT_NE(effect, nullptr);
     EXPECT_TRUE(effect->Places(testing::PressurePlan()).empty()) << name;
@@ -155,10 +176,8 @@ TEST(Effects, LeaveAllElseUntouched) {
       allowed = {"input." + place.name + ".actuator."};
     else if (place.kind == "output")
       allowed = {"output." + place.name + ".sensor."};
-    else if (effect.info().name == "distributed_inertia")
-      allowed = {"plant.", "output.omega_1.of"};
-    else if (effect.info().name == "series_elasticity")
-      allowed = {"plant.inertia.", "plant.shaft.", "plant.run.R."};
+    else if (const Row& row = kContract.at(effect.info().name); !row.touches.empty())
+      allowed = row.touches;
     else
       allowed = {"plant." + place.kind + "." + place.name, "plant.load." + effect.info().name + "."};
     for (const std::string& path : Differences(plan.root, changed.root)) {
@@ -222,10 +241,9 @@ double TorqueOf(const Value& table, const LawView& seen) {
 TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
   // A split joint is rigid in the limit only, a run of lumps is no rotor at any value, oil moves at every value:
   // tests/plugins/effects_test.cc.
-  const std::set<std::string> no_neutral = {"series_elasticity", "distributed_inertia", "oil_dynamics",
-                                            "sensor_rectified"};
   ForEachUse([&](const Effect& effect, const Plan& plan, const Place& place) {
-    if (no_neutral.contains(effect.info().name)) return;
+    const Neutral kind = kContract.at(effect.info().name).neutral;
+    if (kind == Neutral::kNone) return;
     Plan neutral = plan;
     effect.Apply(neutral, place, Neutrals(effect));
     const Value* load = neutral.root.FindPath("plant.load." + effect.info().name);
@@ -236,8 +254,7 @@ TEST(Effects, AtTheNeutralStrengthAreTheNominalModel) {
         const LawView view{0.0, RandomNormal(5, 0, i), 100 * RandomNormal(5, 1, i), RandomNormal(5, 2, i), {}, {}};
         EXPECT_EQ(TorqueOf(*load, view), 0.0);
       }
-    } else if (std::set<std::string>{"backlash", "contact_free_damping", "cubic_stiffness", "viscosity_drift"}.contains(
-                   effect.info().name)) {
+    } else if (kind == Neutral::kSameTorque) {
       for (std::uint64_t i = 0; i < 50; ++i) {
         const LawView view{
             0.1 * static_cast<double>(i), 0.01 * RandomNormal(5, 0, i), RandomNormal(5, 1, i), 0.0, {}, {}};
@@ -328,7 +345,7 @@ TEST(Effects, ThatScaleAParameterChangeNothingElse) {
     EXPECT_EQ(Differences(plan.root, changed.root), std::vector<std::string>{path});
     EXPECT_DOUBLE_EQ(changed.root.FindPath(path)->number(), 1.25 * plan.root.FindPath(path)->number());
   });
-  EXPECT_EQ(scaling, (std::set<std::string>{"damping_change", "gap_change", "inertia_change", "stiffness_change"}));
+  for (const auto& [name, row] : kContract) EXPECT_EQ(scaling.contains(name), row.scales) << name;
 }
 
 TEST(Plants, DeclareNuisanceParametersOfTheirPlans) {
