@@ -68,7 +68,7 @@ TEST_F(OwnGolden, LiesBesideTheScenario) {
 TEST_F(OwnGolden, IsAskedForByTheScenarioAndNotByChecksOfTheCommandLine) {
   Commit();
   ASSERT_EQ(Bless().exit, 0);
-  const std::string others = R"(check=[{kind="bounded", signal="T_shaft", between=[-1e6, 1e6], origin="goal"}])";
+  const std::string others = R"(check=[{kind="solvers", signal="T_shaft", nrmse=1e-3, origin="goal"}])";
   EXPECT_EQ(Run({"--set", others}).exit, 0) << Run({"--set", others}).Both();
   bench_.Write("lines/mine.toml", Bench::kLine);
   const Outcome run = Run();
