@@ -18,13 +18,14 @@ MAY_INCLUDE = {
     "score": ["base"],
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "linear", "base", "control10k"],
-    "diagnosis": ["experiment", "scenario", "sim", "trace", "score", "model", "linear", "base"],
+    "identification": ["experiment", "scenario", "sim", "score", "model", "linear", "base"],
+    "diagnosis": ["identification", "experiment", "scenario", "sim", "trace", "score", "model", "linear", "base"],
     "history": ["score", "base"],
     "campaign": ["experiment", "scenario", "sim", "trace", "score", "model", "linear", "base", "control10k"],
     "thesis": ["campaign", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
                "control10k"],
-    "reports": ["campaign", "history", "diagnosis", "experiment", "score", "trace", "model", "linear", "base"],
-    "app": ["reports", "campaign", "history", "diagnosis", "experiment", "scenario", "sim", "trace", "score", "model",
+    "reports": ["campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
+    "app": ["reports", "campaign", "history", "diagnosis", "identification", "experiment", "scenario", "sim", "trace", "score", "model",
             "linear", "base"],
 }
 # engine/thesis can be deleted: only its own commands and the program's two hooks, main.cc and app.cc, know it.
@@ -40,7 +41,7 @@ DECLARED_ELSEWHERE = {
     "engine/sim/reference_solver.cc": "sim/solver.h: the other one",
     "engine/plugins/plant/drive_line/drive_line_builder.cc": "drive_line.h: DriveLine::Create()",
     "engine/plugins/plant/drive_line/drive_line_traits.cc": "drive_line.h: DriveLine::Traits()",
-    "engine/diagnosis/polish.cc": "fit.h: Fitter::Polish()",
+    "engine/identification/refine.cc": "estimator.h: Estimator::Refine()",
 }
 # Each command is an Add...() in app.h or in commands.h.
 COMMANDS = re.compile(r"engine/(app|thesis/commands)/\w+_command\.cc")

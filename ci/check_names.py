@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["engine/diagnosis", "engine/experiment"]
+FOLDERS = ["engine/diagnosis", "engine/identification", "engine/experiment"]
 
 root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
 # Effects stand in the conformance table, each plant names itself in its Info().

@@ -41,9 +41,9 @@ int CheckData(const CheckArguments& arguments) {
         LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, *registry, diagnostics);
     if (measured) {
       for (const std::string& note : measured->data.front().notes) Note(note + "\n");
-      const diagnosis::Study study(measured->plan, measured->data, *registry);
+      const diagnosis::EstimationProblem problem(measured->plan, measured->data, *registry);
       for (const auto& check : {diagnosis::CheckAgainst, diagnosis::DistancesOf}) {
-        const Result<std::vector<diagnosis::Finding>> against = check(study);
+        const Result<std::vector<diagnosis::Finding>> against = check(problem);
         if (!against.ok()) {
           Complain(against.failure().ToString() + "\n");
           return against.failure().exit_code;

@@ -43,7 +43,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   for (const auto* records : {&measured->data, &measured->holdout}) {
     for (const MappedRecord& record : *records) {
       const Result<std::vector<diagnosis::Finding>> findings =
-          diagnosis::CheckAgainst(diagnosis::Study(measured->plan, {record}, *registry));
+          diagnosis::CheckAgainst(diagnosis::EstimationProblem(measured->plan, {record}, *registry));
       if (!findings.ok()) {
         Complain(findings.failure().ToString() + "\n");
         return findings.failure().exit_code;

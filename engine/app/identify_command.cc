@@ -13,8 +13,8 @@
 #include "app/measured.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "diagnosis/identify.h"
 #include "experiment/settings.h"
+#include "identification/identify.h"
 #include "model/effect.h"
 #include "scenario/load.h"
 
@@ -29,13 +29,14 @@ struct IdentifyArguments {
   int starts = 4;
 };
 
-const std::map<std::string, diagnosis::IdentifyMethod> kMethods = {{"free_run", diagnosis::IdentifyMethod::kFreeRun},
-                                                                   {"spectrum", diagnosis::IdentifyMethod::kSpectrum},
-                                                                   {"response", diagnosis::IdentifyMethod::kResponse},
-                                                                   {"two_stage", diagnosis::IdentifyMethod::kTwoStage}};
+const std::map<std::string, identification::IdentifyMethod> kMethods = {
+    {"free_run", identification::IdentifyMethod::kFreeRun},
+    {"spectrum", identification::IdentifyMethod::kSpectrum},
+    {"response", identification::IdentifyMethod::kResponse},
+    {"two_stage", identification::IdentifyMethod::kTwoStage}};
 
 /// KEY=LOW:HIGH, of one of the keys.
-void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, Diagnostics& diagnostics) {
+void ReadBound(const std::string& text, std::vector<identification::FreeKey>& keys, Diagnostics& diagnostics) {
   const std::size_t equals = text.find('='), colon = text.find(':', equals);
   const auto number = [&](std::size_t from, std::size_t to) {
     const std::string part = text.substr(from, to - from);
@@ -45,8 +46,9 @@ void ReadBound(const std::string& text, std::vector<diagnosis::FreeKey>& keys, D
   };
   if (equals != std::string::npos && colon != std::string::npos) {
     const double low = number(equals + 1, colon), high = number(colon + 1, text.size());
-    const auto key = std::find_if(keys.begin(), keys.end(),
-                                  [&](const diagnosis::FreeKey& one) { return one.key == text.substr(0, equals); });
+    const auto key = std::find_if(keys.begin(), keys.end(), [&](const identification::FreeKey& one) {
+      return one.key == text.substr(0, equals);
+    });
     if (key == keys.end()) {
       diagnostics.Error({"--bound"}, fmt::format("\"{}\" is none of the --free keys", text.substr(0, equals)));
       return;
@@ -94,9 +96,9 @@ void WriteDefault(const std::string& key, const Registry& registry, Plan& plan) 
 }
 
 /// The numbers to fit, each with a magnitude to search around.
-std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Registry& registry, Plan& plan,
-                                         Diagnostics& diagnostics) {
-  std::vector<diagnosis::FreeKey> keys;
+std::vector<identification::FreeKey> FreeKeys(const IdentifyArguments& arguments, const Registry& registry, Plan& plan,
+                                              Diagnostics& diagnostics) {
+  std::vector<identification::FreeKey> keys;
   for (const std::string& key : arguments.free) {
     if (std::count(arguments.free.begin(), arguments.free.end(), key) == 1)
       keys.push_back({key, std::nullopt});
@@ -104,7 +106,7 @@ std::vector<diagnosis::FreeKey> FreeKeys(const IdentifyArguments& arguments, con
       diagnostics.Error({"--free"}, fmt::format("\"{}\" stands there twice", key));
   }
   for (const std::string& bound : arguments.bounds) ReadBound(bound, keys, diagnostics);
-  for (const diagnosis::FreeKey& free : keys) {
+  for (const identification::FreeKey& free : keys) {
     if (plan.root.FindPath(free.key) == nullptr) WriteDefault(free.key, registry, plan);
     const Value* value = plan.root.FindPath(free.key);
     if (value == nullptr || !value->is_number())
@@ -129,13 +131,13 @@ void CheckOut(const IdentifyArguments& arguments, const MeasuredCase& measured, 
   if (arguments.out.empty()) return;
   const SourceSpan where = {"--out"};
   std::ifstream file(arguments.out);
-  std::string begin(diagnosis::kIdentified.size(), ' ');
+  std::string begin(identification::kIdentified.size(), ' ');
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   const std::filesystem::path out = Whole(arguments.out);
   std::error_code error;
   if (out.empty())
     diagnostics.Error(where, fmt::format("\"{}\" is no place for a file", arguments.out));
-  else if (std::filesystem::exists(arguments.out, error) && begin != diagnosis::kIdentified)
+  else if (std::filesystem::exists(arguments.out, error) && begin != identification::kIdentified)
     diagnostics.Error(where, fmt::format("\"{}\" is there already, and not from identify", arguments.out),
                       "give another name");
   else if (out == Whole(measured.file))
@@ -157,7 +159,7 @@ int Identify(const IdentifyArguments& arguments) {
       LoadMeasured(arguments.scenario, arguments.data, arguments.maps, {}, arguments.overrides, *registry, diagnostics);
   if (Report(diagnostics) != kGood || !measured) return kUsage;
   Diagnostics wrong;
-  const std::vector<diagnosis::FreeKey> keys = FreeKeys(arguments, *registry, measured->plan, wrong);
+  const std::vector<identification::FreeKey> keys = FreeKeys(arguments, *registry, measured->plan, wrong);
   CheckOut(arguments, *measured, wrong);
   if (Report(wrong) != kGood) return kUsage;
   for (const MappedRecord& record : measured->data) {
@@ -170,7 +172,7 @@ int Identify(const IdentifyArguments& arguments) {
     Complain(fmt::format("{}: {}\n", record.file, why));
     return kUndecided;
   }
-  const Result<diagnosis::Identified> result = diagnosis::Identify(
+  const Result<identification::Identified> result = identification::Identify(
       measured->plan, measured->data, *registry,
       {keys, kMethods.at(arguments.method), arguments.starts, [](double done) { ShowProgress("fitting", done); }});
   ClearProgress();
@@ -178,8 +180,8 @@ int Identify(const IdentifyArguments& arguments) {
     Complain(result.failure().ToString() + "\n");
     return result.failure().exit_code;
   }
-  Print(arguments.common, diagnosis::ToTable(*result));
-  nlohmann::json document = diagnosis::ToJson(*result);
+  Print(arguments.common, identification::ToTable(*result));
+  nlohmann::json document = identification::ToJson(*result);
   int exit = result->converged == 0 ? kUndecided : kGood;
   if (!arguments.out.empty()) {
     const std::filesystem::path out = Whole(arguments.out);
@@ -188,8 +190,8 @@ int Identify(const IdentifyArguments& arguments) {
     const std::optional<Plan> written = LoadPlan(measured->file, arguments.overrides, known);
     Plan applied = *written;
     ApplyEffects(*registry, applied, known);
-    if (Status failed =
-            WriteFileAtomically(out, diagnosis::ToScenario(*result, applied, *written, include, arguments.overrides))) {
+    if (Status failed = WriteFileAtomically(
+            out, identification::ToScenario(*result, applied, *written, include, arguments.overrides))) {
       Complain(failed->ToString() + "\n");
       exit = failed->exit_code;
     } else {

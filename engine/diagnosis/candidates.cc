@@ -24,18 +24,18 @@ std::string FamilyOf(const Effect& effect) {
 
 }  // namespace
 
-Magnitudes MagnitudesOf(const Study& study) {
+Magnitudes MagnitudesOf(const EstimationProblem& problem) {
   Magnitudes m;
-  const MappedRecord& record = study.records().front();
+  const MappedRecord& record = problem.records().front();
   m.duration_s = std::max(record.end_s, 1e-3);
-  m.step_s = study.channels().front().step_s;
+  m.step_s = problem.channels().front().step_s;
   for (const auto& [name, series] : record.inputs) {
     m.input_rms[name] = score::RootMeanSquare(*series.values);
     m.input_peak[name] = score::Largest(*series.values);
     m.input = std::max(m.input, m.input_rms[name]);
   }
   double torque = 0.0, speed = 0.0;
-  for (const Channel& channel : study.channels()) {
+  for (const Channel& channel : problem.channels()) {
     if (channel.record != 0) continue;
     m.output_spread[channel.name] = channel.spread;
     const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);
@@ -47,20 +47,21 @@ Magnitudes MagnitudesOf(const Study& study) {
   return m;
 }
 
-std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes) {
+std::vector<Candidate> CandidatesFor(const EstimationProblem& problem, const Magnitudes& magnitudes) {
   std::vector<Candidate> candidates;
-  const bool given = study.registry().PlantOf(study.plan()).prescribed_motion;
-  for (const Effect* effect : study.registry().Effects()) {
+  const bool given = problem.registry().PlantOf(problem.plan()).prescribed_motion;
+  for (const Effect* effect : problem.registry().Effects()) {
     const EffectTraits& traits = effect->info().traits;
-    const Effect* plainer = study.registry().FindEffect(traits.refines);
-    const std::vector<Place> places = effect->Places(study.plan());
+    const Effect* plainer = problem.registry().FindEffect(traits.refines);
+    const std::vector<Place> places = effect->Places(problem.plan());
     for (const Place& place : places) {
       // A sensor that no record has, and an input that no record drives, cannot be seen.
-      if (place.kind == "output" && std::none_of(study.channels().begin(), study.channels().end(),
+      if (place.kind == "output" && std::none_of(problem.channels().begin(), problem.channels().end(),
                                                  [&](const Channel& c) { return c.name == place.name; }))
         continue;
-      if (place.kind == "input" && !study.records().front().inputs.contains(place.name)) continue;
-      Candidate candidate{effect, place, effect->Starts(study.plan(), place, magnitudes), StrengthsOf(*effect), false};
+      if (place.kind == "input" && !problem.records().front().inputs.contains(place.name)) continue;
+      Candidate candidate{effect, place, effect->Starts(problem.plan(), place, magnitudes), StrengthsOf(*effect),
+                          false};
       candidate.family = FamilyOf(plainer != nullptr ? *plainer : *effect);
       // Any order of a harmonic is tried at both ends of the line, of which one may be heavy; the rest follow them.
       // Where the motion is given a run costs next to nothing, and elastic friction need not look like a dry one.

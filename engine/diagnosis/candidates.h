@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "diagnosis/study.h"
+#include "diagnosis/terms.h"
+#include "identification/estimation_problem.h"
 
 namespace dynoproof::diagnosis {
 
@@ -21,13 +22,13 @@ struct Candidate {
   std::string family = {};  // its own, or that of the effect it refines
 
   std::string ToString() const { return effect->info().name + "@" + place.ToString(); }
-  Assumed At(std::vector<double> parameters) const { return {effect, place, std::move(parameters)}; }
+  EffectInstance At(std::vector<double> parameters) const { return {effect, place, std::move(parameters)}; }
 };
 
 /// Of the first record.
-Magnitudes MagnitudesOf(const Study& study);
+Magnitudes MagnitudesOf(const EstimationProblem& problem);
 
-std::vector<Candidate> CandidatesFor(const Study& study, const Magnitudes& magnitudes);
+std::vector<Candidate> CandidatesFor(const EstimationProblem& problem, const Magnitudes& magnitudes);
 
 /// The plainest law of dry friction, which the others refine; null where no effect is one.
 const Effect* PlainFriction(const Registry& registry);

@@ -187,12 +187,12 @@ std::vector<Finding> CheckRecord(const trace::Record& record) {
   return findings;
 }
 
-Result<std::vector<Finding>> CheckAgainst(const Study& study) {
+Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
   std::vector<Finding> findings;
-  const Result<Eigen::VectorXd> nominal = study.Predict(study.Nominal());
+  const Result<Eigen::VectorXd> nominal = problem.Predict(problem.Nominal());
   if (!nominal.ok()) return nominal.failure();
-  for (const Channel& channel : study.channels()) {
-    const auto measured = study.measured().segment(channel.begin, channel.count);
+  for (const Channel& channel : problem.channels()) {
+    const auto measured = problem.measured().segment(channel.begin, channel.count);
     const auto predicted = nominal->segment(channel.begin, channel.count);
     const auto count = static_cast<std::size_t>(channel.count);
     if (const std::string few = TooFew(count); !few.empty()) {
@@ -210,7 +210,7 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
     // the other's; lightly damped signals fall out of step, and then look like any other.
     constexpr double kOfASize = 3.0;
     const auto apart = [&channel](double spread) { return std::abs(std::log(channel.spread / spread)); };
-    for (const Channel& other : study.channels()) {
+    for (const Channel& other : problem.channels()) {
       if (other.record != channel.record || other.name == channel.name || other.count != channel.count) continue;
       const auto simulated = nominal->segment(other.begin, other.count);
       const double there = std::abs(Correlation(measured, simulated));
@@ -246,8 +246,8 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
                                       shift > 0 ? "later" : "earlier", gain, own),
                           0, 0.0});
   }
-  for (const MappedRecord& record : study.records()) {
-    const Value* inputs = study.plan().root.Find("input");
+  for (const MappedRecord& record : problem.records()) {
+    const Value* inputs = problem.plan().root.Find("input");
     for (const std::string& name : inputs != nullptr ? KeysOf(*inputs) : std::vector<std::string>{}) {
       const auto found = record.inputs.find(name);
       if (found == record.inputs.end()) {
@@ -271,16 +271,16 @@ Result<std::vector<Finding>> CheckAgainst(const Study& study) {
   return findings;
 }
 
-Result<std::vector<Finding>> DistancesOf(const Study& study) {
+Result<std::vector<Finding>> DistancesOf(const EstimationProblem& problem) {
   // What leaves four fifths of the squares is no account of a signal; one of another size ends at 1, not above.
   constexpr double kFarOff = 0.9;
-  const Result<Eigen::VectorXd> nominal = study.Predict(study.Nominal());
+  const Result<Eigen::VectorXd> nominal = problem.Predict(problem.Nominal());
   if (!nominal.ok()) return nominal.failure();
   std::vector<Finding> findings;
-  for (const Channel& channel : study.channels()) {
+  for (const Channel& channel : problem.channels()) {
     if (!TooFew(static_cast<std::size_t>(channel.count)).empty() || !(channel.spread > 1e-12 * channel.nominal))
       continue;
-    const auto measured = study.measured().segment(channel.begin, channel.count);
+    const auto measured = problem.measured().segment(channel.begin, channel.count);
     const auto predicted = nominal->segment(channel.begin, channel.count);
     const double nrmse = std::sqrt((measured - predicted).array().square().mean()) / channel.spread;
     const bool far = nrmse > kFarOff, foreign = far && !Related(measured, predicted);

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/study.h"
+#include "diagnosis/terms.h"
+#include "identification/estimation_problem.h"
 #include "trace/record.h"
 
 namespace dynoproof::diagnosis {
@@ -26,10 +27,10 @@ struct Finding {
 std::vector<Finding> CheckRecord(const trace::Record& record);
 
 /// Mapped signals against what the scenario predicts for them.
-Result<std::vector<Finding>> CheckAgainst(const Study& study);
+Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem);
 
 /// How far each mapped output is from what the scenario predicts for it. A record that has nothing to do with the
 /// scenario is a fault; one that a wrong model keeps away from its simulation is not: that is what `diagnose` is for.
-Result<std::vector<Finding>> DistancesOf(const Study& study);
+Result<std::vector<Finding>> DistancesOf(const EstimationProblem& problem);
 
 }  // namespace dynoproof::diagnosis

@@ -6,20 +6,20 @@
 
 namespace dynoproof::diagnosis {
 
-std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, const Fit& fit) {
-  const Eigen::VectorXd white = fitter.whitener()(study.measured() - fit.predicted);
+std::vector<double> CrossValidate(const EstimationProblem& problem, const Estimator& estimator, const Estimate& fit) {
+  const Eigen::VectorXd white = estimator.whitener()(problem.measured() - fit.predicted);
   // The state a record starts from shows in its first part only: no other part could tell it, so it stays.
   std::vector<Eigen::Index> columns;
   std::vector<double> prior;
-  const auto effects = fit.jacobian.cols() - static_cast<Eigen::Index>(fit.doubts.free.size());
+  const auto effects = fit.jacobian.cols() - static_cast<Eigen::Index>(fit.nuisances.free.size());
   for (Eigen::Index k = 0; k < fit.jacobian.cols(); ++k) {
     if (k < effects) {
       columns.push_back(k), prior.push_back(0.0);
       continue;
     }
-    const auto doubt = static_cast<std::size_t>(fit.doubts.free[static_cast<std::size_t>(k - effects)]);
-    if (study.doubts()[doubt].start) continue;
-    columns.push_back(k), prior.push_back(1.0 / std::pow(fit.doubts.freedom[doubt], 2));
+    const auto nuisance = static_cast<std::size_t>(fit.nuisances.free[static_cast<std::size_t>(k - effects)]);
+    if (problem.nuisances()[nuisance].start) continue;
+    columns.push_back(k), prior.push_back(1.0 / std::pow(fit.nuisances.freedom[nuisance], 2));
   }
   const auto p = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd jacobian(fit.jacobian.rows(), p);
@@ -31,7 +31,7 @@ std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, cons
     Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(p, p);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(p);
     const auto each = [&](const auto& visit) {
-      for (const Channel& channel : study.channels()) {
+      for (const Channel& channel : problem.channels()) {
         const Eigen::Index begin = channel.begin + channel.count * b / kBlocks;
         visit(begin, channel.begin + channel.count * (b + 1) / kBlocks - begin);
       }
@@ -65,8 +65,8 @@ double Threshold(double rows, std::size_t candidates) {
   return std::max(odds + std::log(std::max(2.0, rows)), 1e-3 * rows);
 }
 
-Standing Compare(const Study& study, const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
-                 const std::vector<double>& blocks, double rows, std::size_t candidates) {
+Standing Compare(const EstimationProblem& problem, const Estimate& nominal, const std::vector<double>& nominal_blocks,
+                 const Estimate& fit, const std::vector<double>& blocks, double rows, std::size_t candidates) {
   Standing standing;
   standing.chi2_gain = nominal.chi2 - fit.chi2;
   standing.criterion_gain = nominal.criterion - fit.criterion;
@@ -83,9 +83,9 @@ Standing Compare(const Study& study, const Fit& nominal, const std::vector<doubl
     standing.blocks_better += blocks[b] < nominal_blocks[b] ? 1 : 0;
   }
   const double threshold = Threshold(rows, candidates);
-  // A nominal model that needs its doubts far outside their spread predicts the validation parts as well as an effect
-  // that says so openly; then it is enough that the effect is not worse there.
-  const bool valid = Farthest(study, nominal) > kWithinDoubt
+  // A nominal model that needs its nuisance parameters far outside their spread predicts the validation parts as well
+  // as an effect that says so openly; then it is enough that the effect is not worse there.
+  const bool valid = LargestDeviation(problem, nominal) > kWithinPrior
                          ? standing.validation_gain > -0.5 * threshold
                          : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
   standing.significant =
@@ -93,13 +93,13 @@ Standing Compare(const Study& study, const Fit& nominal, const std::vector<doubl
   return standing;
 }
 
-bool LeavesTheSignal(const Study& study, const Fit& null, const Fit& best) {
+bool LeavesTheSignal(const EstimationProblem& problem, const Estimate& null, const Estimate& best) {
   constexpr double kMost = 0.5;
   double most = 0.0;
   bool leaves = false;
-  for (const Channel& c : study.channels()) {
-    const auto rms = [&](const Fit& fit) {
-      return RmsOf(study.measured().segment(c.begin, c.count) - fit.predicted.segment(c.begin, c.count));
+  for (const Channel& c : problem.channels()) {
+    const auto rms = [&](const Estimate& fit) {
+      return RmsOf(problem.measured().segment(c.begin, c.count) - fit.predicted.segment(c.begin, c.count));
     };
     const double before = rms(null), after = rms(best);
     const double gain = static_cast<double>(c.count) * (before * before / std::max(after * after, 1e-300) - 1.0);
@@ -110,7 +110,7 @@ bool LeavesTheSignal(const Study& study, const Fit& null, const Fit& best) {
   return leaves;
 }
 
-std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold) {
+std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double threshold) {
   // exp(10 / 2): odds of 150 to 1 tell two candidates apart. Less than one more parameter costs (log n = 11), so that a
   // law and its generalisation are never both in the set.
   constexpr double kAlike = 10.0;

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/fit.h"
+#include "diagnosis/terms.h"
+#include "identification/estimator.h"
 
 namespace dynoproof::diagnosis {
 
@@ -21,21 +22,21 @@ inline constexpr int kBlocks = 5;
 
 /// Whitened squares on each fifth of the time, from a fit to the other four (one Newton step from the fit to all).
 /// Derive() must have been called on the fit.
-std::vector<double> CrossValidate(const Study& study, const Fitter& fitter, const Fit& fit);
+std::vector<double> CrossValidate(const EstimationProblem& problem, const Estimator& estimator, const Estimate& fit);
 
 /// Least gain of chi2 that counts, for so many rows and candidates.
 double Threshold(double rows, std::size_t candidates);
 
-Standing Compare(const Study& study, const Fit& nominal, const std::vector<double>& nominal_blocks, const Fit& fit,
-                 const std::vector<double>& blocks, double rows, std::size_t candidates);
+Standing Compare(const EstimationProblem& problem, const Estimate& nominal, const std::vector<double>& nominal_blocks,
+                 const Estimate& fit, const std::vector<double>& blocks, double rows, std::size_t candidates);
 
 /// Whether the best fit leaves more than half of what there is to explain, and more than half of the signal, in the
 /// channel in which it gains most: motion that is missed may be as white as noise where it is chaotic, but not as
 /// small.
-bool LeavesTheSignal(const Study& study, const Fit& null, const Fit& best);
+bool LeavesTheSignal(const EstimationProblem& problem, const Estimate& null, const Estimate& best);
 
 /// Drops what is more complex without being better, and returns the fits (by number) that cannot be told from the best
 /// (fits[0], best criterion first).
-std::vector<std::size_t> AmbiguitySet(const std::vector<Fit>& fits, double threshold);
+std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double threshold);
 
 }  // namespace dynoproof::diagnosis

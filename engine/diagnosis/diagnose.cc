@@ -29,18 +29,21 @@ struct Task {
       std::make_shared<mechanics::Decompositions>();  // of all its studies
 
   double training() const { return holdout.empty() ? kTrainingShare : 1.0; }
-  Study Part(const Plan& of, double until) const { return Study(of, data, registry, training() * until, known); }
-  Judgement Of(const Study& study, double until) const {
-    return Judgement(study, training() * until, until, data, holdout, options);
+  EstimationProblem Part(const Plan& of, double until) const {
+    return EstimationProblem(of, data, registry, training() * until, known);
+  }
+  Judgement Of(const EstimationProblem& problem, double until) const {
+    return Judgement(problem, training() * until, until, data, holdout, options);
   }
 };
 
 /// As much of the records as `followed` predicts, with it among the candidates; nothing if it does not stand there.
-std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study& study, const Followed& followed) {
+std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const EstimationProblem& problem,
+                                                  const Followed& followed) {
   // Of motion that is known to be chaotic no more is predicted than what was followed.
   const bool all = followed.share == 1.0 && !PredictionWindow(task.plan);
   const double until = all ? 1.0 : task.training() * followed.share;
-  const Study beginning = task.Part(study.plan(), until);
+  const EstimationProblem beginning = task.Part(problem.plan(), until);
   Judgement first = task.Of(beginning, until);
   if (first.Decide("diagnose_state_beginning.json", {followed.hypothesis})) return std::nullopt;
   const std::vector<Hypothesis> causes = first.Causes();
@@ -62,7 +65,7 @@ std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const Study&
 std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
   Plan free = task.plan;
   free.root.Erase("prediction_window_s");
-  const Study study = task.Part(free, 1.0);
+  const EstimationProblem problem = task.Part(free, 1.0);
   DiagnoseOptions said = task.options;
   said.progress = [&](const std::string& what, double done) {
     task.options.progress("the beginning: " + what, kOpening * done);
@@ -70,16 +73,16 @@ std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
   const Task beginning{task.plan, task.data, task.holdout, task.registry, said, task.known};
   std::vector<Hypothesis> causes;
   double from = 0.0;
-  for (double share = FirstShare(study.records()); share < 1.0; share *= kLonger) {
-    const Study part = task.Part(free, share);
+  for (double share = FirstShare(problem.records()); share < 1.0; share *= kLonger) {
+    const EstimationProblem part = task.Part(free, share);
     Judgement opening = beginning.Of(part, share);
     if (opening.Decide("diagnose_state_opening.json") || opening.LeavesStructure()) break;
     causes = opening.Causes();
     from = share;
   }
   const auto progress = [&](double done) { said.progress("following what explains it", done); };
-  const std::optional<Followed> followed = Follow(study, from, causes, progress);
-  return followed ? DiagnoseFollowed(task, study, *followed) : std::nullopt;
+  const std::optional<Followed> followed = Follow(problem, from, causes, progress);
+  return followed ? DiagnoseFollowed(task, problem, *followed) : std::nullopt;
 }
 
 }  // namespace
@@ -123,13 +126,13 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   if (PredictionWindow(plan)) {
     if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
   }
-  const Study study = task.Part(plan, 1.0);
-  Judgement whole = task.Of(study, 1.0);
+  const EstimationProblem problem = task.Part(plan, 1.0);
+  Judgement whole = task.Of(problem, 1.0);
   if (Status failed = whole.Decide("diagnose_state.json")) return *failed;
   if (!whole.LeavesStructure()) return whole.Report();
   const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
-  if (const std::optional<Followed> followed = FollowPlay(study, progress)) {
-    if (std::optional<Result<Diagnosis>> beginning = DiagnoseFollowed(task, study, *followed))
+  if (const std::optional<Followed> followed = FollowPlay(problem, progress)) {
+    if (std::optional<Result<Diagnosis>> beginning = DiagnoseFollowed(task, problem, *followed))
       return *std::move(beginning);
   }
   return whole.Report();

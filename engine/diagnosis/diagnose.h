@@ -1,5 +1,5 @@
 // From records to a cause: what the simulation gets wrong, which effect accounts for it, what it gains on data that
-// took no part in the choice - or that nothing accounts for it. README.md has the method and its limits.
+// took no part in the choice - or that nothing accounts for it. METHOD.md has the stages, README.md the limits.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,9 @@
 
 #include "base/status.h"
 #include "diagnosis/gain.h"
+#include "diagnosis/localisation.h"
 #include "diagnosis/search.h"
-#include "diagnosis/where.h"
+#include "identification/residual_tests.h"
 
 namespace dynoproof::diagnosis {
 
@@ -41,22 +42,6 @@ struct Refitted {
   double nominal = 0.0, value = 0.0, deviation = 0.0;  // deviation in spreads of the prior
   bool start = false;                                  // of the record, not of the model
 };
-
-/// The tests of the residual, each with its least p value over the signals; absent where no signal could be tested.
-struct ResidualTests {
-  static constexpr double kLevel = 1e-3;     // a hypothesis with a smaller p value is rejected
-  std::optional<double> ljung_box_p_value;   // that the residual after its autoregressive noise model is white
-  std::optional<double> regression_p_value;  // F test: that it is independent of inputs, predicted outputs, their past
-  std::optional<double> line_p_value;        // Fisher's g test: that its spectrum has no line
-  std::optional<bool> white() const { return Holds(ljung_box_p_value); }
-  std::optional<bool> independent_of_inputs() const { return Holds(regression_p_value); }
-
- private:
-  static std::optional<bool> Holds(const std::optional<double>& p) {
-    return p ? std::optional(*p > kLevel) : std::nullopt;
-  }
-};
-ResidualTests TestsOf(const std::vector<Structure>& structure);
 
 struct Diagnosis {
   Verdict verdict = Verdict::kUnexplained;

@@ -21,9 +21,9 @@ Result<RecordGains> GainsIn(const MappedRecord& record, bool holdout, const Plan
   RecordGains result{record.file, holdout, {}};
   if (record.outputs.empty()) return result;
   // The nominal plan's study serves both, so that both are compared over the same rows.
-  const Study study(nominal, {record}, registry);
+  const EstimationProblem problem(nominal, {record}, registry);
   StartFromRecord(record, registry, extended);
-  auto gains = MeasureGains(study, study.plan(), extended);
+  auto gains = MeasureGains(problem, problem.plan(), extended);
   if (!gains.ok()) return gains.failure();
   result.gains = *std::move(gains);
   return result;

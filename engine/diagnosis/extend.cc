@@ -27,25 +27,26 @@ std::string IncludeOf(const DiagnoseOptions& options) {
 
 /// The nominal scenario as `bless` finds it from any folder: by its id, or by its place where it is none of the
 /// library.
-std::string NominalOf(const Study& study, const DiagnoseOptions& options) {
+std::string NominalOf(const EstimationProblem& problem, const DiagnoseOptions& options) {
   const fs::path file = fs::weakly_canonical(options.scenario_file);
-  const fs::path by_id = fs::weakly_canonical(fs::path(ScenarioFolder()) / (study.plan().id + ".toml"));
-  return file == by_id ? study.plan().id : file.generic_string();
+  const fs::path by_id = fs::weakly_canonical(fs::path(ScenarioFolder()) / (problem.plan().id + ".toml"));
+  return file == by_id ? problem.plan().id : file.generic_string();
 }
 
 /// [extension]. Lists stand there even with nothing in them: the extension of an extension would inherit the other's.
 /// The start belongs to these records; a run that another one drives begins where that does.
-std::string ExtensionTable(const Study& study, const Fit& fit, const DiagnoseOptions& options) {
+std::string ExtensionTable(const EstimationProblem& problem, const Estimate& fit, const DiagnoseOptions& options) {
   Value::Array set, data, start;
-  for (std::size_t i = 0; i < study.doubts().size(); ++i) {
-    const Doubt& doubt = study.doubts()[i];
-    if (!doubt.start || (fit.hypothesis.z[i] == 0.0 && study.plan().root.FindPath(doubt.path) == nullptr)) continue;
+  for (std::size_t i = 0; i < problem.nuisances().size(); ++i) {
+    const Nuisance& nuisance = problem.nuisances()[i];
+    if (!nuisance.start || (fit.hypothesis.z[i] == 0.0 && problem.plan().root.FindPath(nuisance.path) == nullptr))
+      continue;
     start.emplace_back(
-        fmt::format("{}={}", doubt.path, Number(ValueOf(doubt, fit.hypothesis.z[i], study.plan()).value)));
+        fmt::format("{}={}", nuisance.path, Number(ValueOf(nuisance, fit.hypothesis.z[i], problem.plan()).value)));
   }
   for (const std::string& change : options.overrides) set.emplace_back(change);
-  for (const MappedRecord& record : study.records()) data.emplace_back(HashOf(record.file));
-  return ToToml(Value{{"extension", Value{{"of", NominalOf(study, options)},
+  for (const MappedRecord& record : problem.records()) data.emplace_back(HashOf(record.file));
+  return ToToml(Value{{"extension", Value{{"of", NominalOf(problem, options)},
                                           {"set", std::move(set)},
                                           {"data", std::move(data)},
                                           {"start", std::move(start)}}}});
@@ -75,11 +76,11 @@ double LimitOf(const Channel& channel, const Diagnosis& diagnosis) {
 
 /// How long a chaotic motion is simulated well enough for the checks below: as long as a finer step of the solver is no
 /// more than a quarter of their limit away, which leaves the rest to the other solver. Whole milliseconds [s].
-double SolvedFor(const Study& study, const Fit& fit, const Diagnosis& diagnosis) {
-  const Result<Eigen::VectorXd> coarse = study.Predict(fit.hypothesis), fine = study.PredictFiner(fit.hypothesis);
-  double solved_s = study.records().front().end_s;
+double SolvedFor(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis) {
+  const Result<Eigen::VectorXd> coarse = problem.Predict(fit.hypothesis), fine = problem.PredictFiner(fit.hypothesis);
+  double solved_s = problem.records().front().end_s;
   if (!coarse.ok() || !fine.ok()) return solved_s;
-  for (const Channel& c : study.channels()) {
+  for (const Channel& c : problem.channels()) {
     const double limit = 0.25 * LimitOf(c, diagnosis);
     double apart = 0.0, size = 0.0;
     Eigen::Index good = 0;  // the last row up to which that holds
@@ -95,11 +96,11 @@ double SolvedFor(const Study& study, const Fit& fit, const Diagnosis& diagnosis)
 
 /// What the extended scenario is held to: both solvers closer than the record can tell, in windows where motion is
 /// chaotic.
-std::string OwnChecks(const Study& study, const Diagnosis& diagnosis) {
-  const bool windows = study.plan().root.FindPath("prediction_window_s") != nullptr;
+std::string OwnChecks(const EstimationProblem& problem, const Diagnosis& diagnosis) {
+  const bool windows = problem.plan().root.FindPath("prediction_window_s") != nullptr;
   std::set<std::string> signals;
   std::string text;
-  for (const Channel& channel : study.channels()) {
+  for (const Channel& channel : problem.channels()) {
     if (!signals.insert(channel.name).second) continue;
     text += fmt::format(
         "\n[[check]]\nkind = \"{}\"\nsignal = \"{}\"\nnrmse = {}\n"
@@ -111,36 +112,36 @@ std::string OwnChecks(const Study& study, const Diagnosis& diagnosis) {
 
 }  // namespace
 
-Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
+Result<std::string> WriteExtended(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis,
                                   const DiagnoseOptions& options) {
   std::string text = fmt::format(
       "# {} with what a diagnosis found. Intervals are 95 %.\n"
       "include = [\"{}\"]\n",
-      study.plan().id, IncludeOf(options));
-  if (study.plan().root.Find("check") != nullptr)
+      problem.plan().id, IncludeOf(options));
+  if (problem.plan().root.Find("check") != nullptr)
     text += "without = [\"check\"]  # limits and oracles of the nominal model\n";
   // Values fitted along, as dotted tables: [plant.inertia] I5 = ...
   std::set<std::string> tables;
   std::vector<std::pair<std::string, std::string>> lines;
-  for (std::size_t i = 0; i < study.doubts().size(); ++i) {
-    const Doubt& doubt = study.doubts()[i];
-    if (doubt.start || fit.hypothesis.z[i] == 0.0) continue;
-    const std::size_t dot = doubt.path.rfind('.');
+  for (std::size_t i = 0; i < problem.nuisances().size(); ++i) {
+    const Nuisance& nuisance = problem.nuisances()[i];
+    if (nuisance.start || fit.hypothesis.z[i] == 0.0) continue;
+    const std::size_t dot = nuisance.path.rfind('.');
     // An effect may remove the part; its value is then of no use.
-    const DoubtValue value = ValueOf(doubt, fit.hypothesis.z[i], study.plan());
-    lines.emplace_back(doubt.path.substr(0, dot),
-                       fmt::format("{} = {}  # nominal {}, fitted along\n", doubt.path.substr(dot + 1),
+    const NuisanceValue value = ValueOf(nuisance, fit.hypothesis.z[i], problem.plan());
+    lines.emplace_back(nuisance.path.substr(0, dot),
+                       fmt::format("{} = {}  # nominal {}, fitted along\n", nuisance.path.substr(dot + 1),
                                    Number(value.value), Number(value.nominal)));
     tables.insert(lines.back().first);
   }
   if (diagnosis.counted < 1.0) {
     lines.emplace_back("run", fmt::format("duration_s = {}  # the motion is chaotic: solvers differ afterwards\n",
-                                          Number(SolvedFor(study, fit, diagnosis))));
+                                          Number(SolvedFor(problem, fit, diagnosis))));
     tables.insert("run");
   }
-  if (study.NeedsFinerSteps(fit.hypothesis)) {
+  if (problem.NeedsFinerSteps(fit.hypothesis)) {
     lines.emplace_back("run.realtime", fmt::format("substeps = {}  # friction that sticks needs finer ones\n",
-                                                   SubstepsOf(study.PlanOf(fit.hypothesis))));
+                                                   SubstepsOf(problem.PlanOf(fit.hypothesis))));
     tables.insert("run.realtime");
   }
   // What --set changed belongs to the nominal model, which the file alone does not have.
@@ -150,7 +151,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     const bool fitted = std::any_of(lines.begin(), lines.end(), [&](const auto& line) {
       return line.first == table && line.second.starts_with(key + " = ");
     });
-    const Value* value = study.plan().root.FindPath(path);
+    const Value* value = problem.plan().root.FindPath(path);
     if (fitted || value == nullptr) continue;
     const std::string text_of =
         fmt::format("{} = {}  # by --set\n", key, AsToml(*value, change.substr(change.find('=') + 1)));
@@ -161,7 +162,7 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     lines.emplace_back(table, text_of);
     tables.insert(table);
   }
-  text += ExtensionTable(study, fit, options);
+  text += ExtensionTable(problem, fit, options);
   for (const std::string& table : tables) {
     text += fmt::format("\n[{}]\n", table);
     for (const auto& [in, line] : lines) {
@@ -169,26 +170,26 @@ Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diag
     }
   }
   for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) {
-    const Assumed& assumed = fit.hypothesis.effects[e];
-    text += fmt::format("\n[[effect]]\nname = \"{}\"\nat = \"{}\"\n", assumed.effect->info().name,
-                        assumed.place.ToString());
-    if (assumed.parameters.empty()) continue;
+    const EffectInstance& instance = fit.hypothesis.effects[e];
+    text += fmt::format("\n[[effect]]\nname = \"{}\"\nat = \"{}\"\n", instance.effect->info().name,
+                        instance.place.ToString());
+    if (instance.parameters.empty()) continue;
     text += "[effect.parameters]\n";
-    for (std::size_t i = 0; i < assumed.parameters.size(); ++i) {
+    for (std::size_t i = 0; i < instance.parameters.size(); ++i) {
       const FoundParameter& found = diagnosis.effects[e].parameters[i];
-      text += fmt::format("{} = {}  # {}, {} ... {}\n", found.name, Number(assumed.parameters[i]), found.unit,
+      text += fmt::format("{} = {}  # {}, {} ... {}\n", found.name, Number(instance.parameters[i]), found.unit,
                           found.Text(found.lower), found.Text(found.upper));
     }
   }
-  return Write(options, "extended.toml", text + OwnChecks(study, diagnosis));
+  return Write(options, "extended.toml", text + OwnChecks(problem, diagnosis));
 }
 
-std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike) {
+std::string SeparatingText(const EstimationProblem& problem, const std::vector<EffectInstance>& alike) {
   std::set<std::string> kinds, names, places;
-  for (const Assumed& assumed : alike) {
-    kinds.insert(assumed.place.kind);
-    names.insert(assumed.effect->info().name);
-    places.insert(assumed.place.ToString());
+  for (const EffectInstance& instance : alike) {
+    kinds.insert(instance.place.kind);
+    names.insert(instance.effect->info().name);
+    places.insert(instance.place.ToString());
   }
   if (kinds.contains("input") && kinds.contains("output"))
     return "record a second, independent sensor beside the output, or the actuator's own feedback: what the input does "
@@ -200,21 +201,21 @@ std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike
         "the effect is the same, the place is not: excite the modes in which these places move against each other "
         "(broad band, up to the highest mode), and record a speed or torque between them ({})",
         fmt::join(places, ", "));
-  const std::string& own = study.registry().PlantOf(study.plan()).separating_experiment;
+  const std::string& own = problem.registry().PlantOf(problem.plan()).separating_experiment;
   if (!own.empty()) return own;
   return "drive the line with a slow triangle of torque through standstill in both directions, at two amplitudes a "
          "factor of four apart, with a small broad-band torque on top: laws then differ in how they grow with speed, "
          "twist and amplitude, places in how the higher modes see them";
 }
 
-Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
+Result<std::string> WriteSeparating(const EstimationProblem& problem, const std::vector<EffectInstance>& alike,
                                     const DiagnoseOptions& options) {
-  const double duration_s = std::max(10.0, study.records().front().end_s);
+  const double duration_s = std::max(10.0, problem.records().front().end_s);
   std::string text =
       fmt::format("# {}: an experiment to tell candidates apart.\n# {}\ninclude = [\"{}\"]\n\n[run]\nduration_s = {}\n",
-                  study.plan().id, SeparatingText(study, alike), IncludeOf(options), Number(duration_s));
+                  problem.plan().id, SeparatingText(problem, alike), IncludeOf(options), Number(duration_s));
   int seed = 101;
-  for (const auto& [name, series] : study.records().front().inputs) {
+  for (const auto& [name, series] : problem.records().front().inputs) {
     const auto [least, most] = std::minmax_element(series.values->begin(), series.values->end());
     // Torques swing through zero; a flap, a flow or a pressure about where it stood.
     const double mean = *least * *most > 0.0 ? 0.5 * (*least + *most) : 0.0;

@@ -11,12 +11,12 @@ namespace dynoproof::diagnosis {
 
 /// `out`/extended.toml: the scenario by include, what it extends, the nominal values that were fitted along, and one
 /// [[effect]] each.
-Result<std::string> WriteExtended(const Study& study, const Fit& fit, const Diagnosis& diagnosis,
+Result<std::string> WriteExtended(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis,
                                   const DiagnoseOptions& options);
 
 /// What would separate these candidates, in words; and `out`/separate.toml with that excitation.
-std::string SeparatingText(const Study& study, const std::vector<Assumed>& alike);
-Result<std::string> WriteSeparating(const Study& study, const std::vector<Assumed>& alike,
+std::string SeparatingText(const EstimationProblem& problem, const std::vector<EffectInstance>& alike);
+Result<std::string> WriteSeparating(const EstimationProblem& problem, const std::vector<EffectInstance>& alike,
                                     const DiagnoseOptions& options);
 
 }  // namespace dynoproof::diagnosis

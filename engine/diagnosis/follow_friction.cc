@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "diagnosis/candidates.h"
-#include "diagnosis/noise.h"
+#include "identification/noise_model.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
@@ -35,8 +35,8 @@ double MotionBegins(const MappedRecord& record) {
 }
 
 /// Where something rubs, and how hard: for want of a law that of Coulomb, of every size.
-std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& places, double torque_Nm) {
-  std::vector<Assumed> tried;
+std::vector<Hypothesis> Rubbing(const EstimationProblem& first, const std::vector<Place>& places, double torque_Nm) {
+  std::vector<EffectInstance> tried;
   for (const Place& place : places) {
     for (double share = 0.02; share < 2.0; share *= 3.0)
       tried.push_back({PlainFriction(first.registry()), place, {share * torque_Nm}});
@@ -52,12 +52,12 @@ std::vector<Hypothesis> Rubbing(const Study& first, const std::vector<Place>& pl
 }
 
 /// The torque at which the body breaks loose.
-double BreakAway(const Assumed& friction) { return friction.effect->BreakAwayTorque(friction.parameters); }
+double BreakAway(const EffectInstance& friction) { return friction.effect->BreakAwayTorque(friction.parameters); }
 
 /// The laws of friction that break away at the torque at which the leader does, at its place: those that explain most.
-std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, double speed_rad_per_s) {
-  const Assumed& known = leader.effects.front();
-  std::vector<Assumed> tried;
+std::vector<Hypothesis> OtherLaws(const EstimationProblem& here, const Hypothesis& leader, double speed_rad_per_s) {
+  const EffectInstance& known = leader.effects.front();
+  std::vector<EffectInstance> tried;
   const auto add = [&](const Effect* effect, const Points& points) {
     for (std::vector<double> parameters : points) {
       for (std::size_t i = 0; i < parameters.size(); ++i)
@@ -80,28 +80,29 @@ std::vector<Hypothesis> OtherLaws(const Study& here, const Hypothesis& leader, d
 
 }  // namespace
 
-std::optional<Followed> FollowFriction(const Study& study, const std::optional<Place>& place,
+std::optional<Followed> FollowFriction(const EstimationProblem& problem, const std::optional<Place>& place,
                                        const std::function<void(double)>& progress) {
-  const Effect* friction = PlainFriction(study.registry());
-  std::vector<Place> places = friction != nullptr ? friction->Places(study.plan()) : std::vector<Place>();
+  const Effect* friction = PlainFriction(problem.registry());
+  std::vector<Place> places = friction != nullptr ? friction->Places(problem.plan()) : std::vector<Place>();
   if (place) std::erase_if(places, [&](const Place& other) { return !(other == *place); });
-  const double end_s = study.records().front().end_s;
+  const double end_s = problem.records().front().end_s;
   const double first_s =
-      MotionBegins(study.records().front()) + std::max(kFirst_s, kFirstSamples * study.channels().front().step_s);
-  if (places.empty() || PredictionWindow(study.plan()) || end_s < 2.0 * first_s) return std::nullopt;
-  const Magnitudes seen = MagnitudesOf(study);
-  const Study first = study.Part(first_s / end_s);
+      MotionBegins(problem.records().front()) + std::max(kFirst_s, kFirstSamples * problem.channels().front().step_s);
+  if (places.empty() || PredictionWindow(problem.plan()) || end_s < 2.0 * first_s) return std::nullopt;
+  const Magnitudes seen = MagnitudesOf(problem);
+  const EstimationProblem first = problem.Part(first_s / end_s);
   std::vector<Hypothesis> starts;
   for (const Hypothesis& somewhere : Rubbing(first, places, seen.torque)) {
     for (Hypothesis& law : OtherLaws(first, somewhere, seen.speed)) starts.push_back(std::move(law));
   }
-  return Follow(study, first_s / end_s, std::move(starts), progress,
-                [&](const Study& here, const Hypothesis& leader) { return OtherLaws(here, leader, seen.speed); });
+  return Follow(
+      problem, first_s / end_s, std::move(starts), progress,
+      [&](const EstimationProblem& here, const Hypothesis& leader) { return OtherLaws(here, leader, seen.speed); });
 }
 
-Hypothesis AsCoulomb(const Study& study, Hypothesis friction) {
-  Assumed& law = friction.effects.back();
-  law = {PlainFriction(study.registry()), law.place, {BreakAway(law)}};
+Hypothesis AsCoulomb(const EstimationProblem& problem, Hypothesis friction) {
+  EffectInstance& law = friction.effects.back();
+  law = {PlainFriction(problem.registry()), law.place, {BreakAway(law)}};
   return friction;
 }
 

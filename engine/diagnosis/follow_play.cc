@@ -14,17 +14,17 @@ constexpr double kLargest = 50.0;   // ... a side in free flight goes far beyond
 constexpr double kGridStep = 1.25;  // fits find the gap from a tenth off
 
 /// Effects that give a shaft of the plan play, and the shafts.
-std::vector<std::pair<const Effect*, Place>> PlaysOf(const Study& study) {
+std::vector<std::pair<const Effect*, Place>> PlaysOf(const EstimationProblem& problem) {
   std::vector<std::pair<const Effect*, Place>> plays;
-  for (const Effect* effect : study.registry().Effects()) {
+  for (const Effect* effect : problem.registry().Effects()) {
     if (!effect->info().traits.play) continue;
-    for (const Place& place : effect->Places(study.plan())) plays.emplace_back(effect, place);
+    for (const Place& place : effect->Places(problem.plan())) plays.emplace_back(effect, place);
   }
   return plays;
 }
 
 /// Every gap at every shaft, fitted to `first`.
-std::vector<Hypothesis> Gaps(const Study& first, double torque_Nm) {
+std::vector<Hypothesis> Gaps(const EstimationProblem& first, double torque_Nm) {
   std::vector<Follower> fitted;
   for (const auto& [play, place] : PlaysOf(first)) {
     const Value* stiffness = first.plan().root.FindPath("plant.shaft." + place.name + ".stiffness_Nm_per_rad");
@@ -48,10 +48,10 @@ double FirstShare(const std::vector<MappedRecord>& records) {
   return kFirst_s / std::max(records.front().end_s, kFirst_s);
 }
 
-std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress) {
-  if (PlaysOf(study).empty() || PredictionWindow(study.plan())) return std::nullopt;
-  const double first = FirstShare(study.records());
-  return Follow(study, first, Gaps(study.Part(first), MagnitudesOf(study).torque), progress);
+std::optional<Followed> FollowPlay(const EstimationProblem& problem, const std::function<void(double)>& progress) {
+  if (PlaysOf(problem).empty() || PredictionWindow(problem.plan())) return std::nullopt;
+  const double first = FirstShare(problem.records());
+  return Follow(problem, first, Gaps(problem.Part(first), MagnitudesOf(problem).torque), progress);
 }
 
 }  // namespace dynoproof::diagnosis

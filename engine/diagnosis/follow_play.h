@@ -1,7 +1,7 @@
 // Play, from the first impacts on.
 #pragma once
 
-#include "diagnosis/follow.h"
+#include "diagnosis/horizon_continuation.h"
 
 namespace dynoproof::diagnosis {
 
@@ -9,6 +9,6 @@ namespace dynoproof::diagnosis {
 double FirstShare(const std::vector<MappedRecord>& records);
 
 /// `backlash` by Follow(): every gap at every shaft.
-std::optional<Followed> FollowPlay(const Study& study, const std::function<void(double)>& progress);
+std::optional<Followed> FollowPlay(const EstimationProblem& problem, const std::function<void(double)>& progress);
 
 }  // namespace dynoproof::diagnosis

@@ -36,14 +36,14 @@ void Bootstrap(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, double
 
 }  // namespace
 
-std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::VectorXd& before,
+std::map<std::string, SignalGain> GainsOf(const EstimationProblem& problem, const Eigen::VectorXd& before,
                                           const Eigen::VectorXd& after, double from) {
   std::map<std::string, SignalGain> all;
-  for (const Channel& c : study.channels()) {
+  for (const Channel& c : problem.channels()) {
     const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
     const Eigen::Index count = c.count - first;
     if (count < 10) continue;
-    const auto y = study.measured().segment(c.begin + first, count);
+    const auto y = problem.measured().segment(c.begin + first, count);
     const double spread = std::max(std::sqrt((y.array() - y.mean()).square().mean()), 1e-12 * c.nominal);
     const Eigen::ArrayXd b = (y - before.segment(c.begin + first, count)).array().square();
     const Eigen::ArrayXd a = (y - after.segment(c.begin + first, count)).array().square();
@@ -54,22 +54,22 @@ std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::Vecto
   return all;
 }
 
-Result<std::map<std::string, SignalGain>> MeasureGains(const Study& study, const Plan& before, const Plan& after,
-                                                       double from) {
-  const Result<Eigen::VectorXd> b = study.PredictPlan(before), a = study.PredictPlan(after);
+Result<std::map<std::string, SignalGain>> MeasureGains(const EstimationProblem& problem, const Plan& before,
+                                                       const Plan& after, double from) {
+  const Result<Eigen::VectorXd> b = problem.PredictPlan(before), a = problem.PredictPlan(after);
   if (!b.ok()) return b.failure();
   if (!a.ok()) return a.failure();
-  return GainsOf(study, *b, *a, from);
+  return GainsOf(problem, *b, *a, from);
 }
 
-double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted) {
+double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted) {
   double sum = 0.0;
-  for (const Channel& c : study.channels()) {
-    const double ms = (study.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
+  for (const Channel& c : problem.channels()) {
+    const double ms = (problem.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
                       static_cast<double>(std::max<Eigen::Index>(1, c.count));
     sum += ms / std::max(c.spread * c.spread, 1e-300);
   }
-  return std::sqrt(sum / static_cast<double>(study.channels().size()));
+  return std::sqrt(sum / static_cast<double>(problem.channels().size()));
 }
 
 }  // namespace dynoproof::diagnosis

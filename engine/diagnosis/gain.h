@@ -4,7 +4,8 @@
 #include <map>
 #include <string>
 
-#include "diagnosis/study.h"
+#include "diagnosis/terms.h"
+#include "identification/estimation_problem.h"
 
 namespace dynoproof::diagnosis {
 
@@ -14,14 +15,14 @@ struct SignalGain {
 
 /// By signal, over the rows from share `from` of each channel on; channels with fewer than ten such rows are left out.
 /// Of several records the last one that has the signal.
-std::map<std::string, SignalGain> GainsOf(const Study& study, const Eigen::VectorXd& before,
+std::map<std::string, SignalGain> GainsOf(const EstimationProblem& problem, const Eigen::VectorXd& before,
                                           const Eigen::VectorXd& after, double from);
 
 /// What plan `after` gains on plan `before`, both predicted for the study's records. Fails where a run breaks.
-Result<std::map<std::string, SignalGain>> MeasureGains(const Study& study, const Plan& before, const Plan& after,
-                                                       double from = 0.0);
+Result<std::map<std::string, SignalGain>> MeasureGains(const EstimationProblem& problem, const Plan& before,
+                                                       const Plan& after, double from = 0.0);
 
 /// RMS over the channels of the NRMSE.
-double TotalNrmse(const Study& study, const Eigen::VectorXd& predicted);
+double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted);
 
 }  // namespace dynoproof::diagnosis

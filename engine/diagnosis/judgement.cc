@@ -9,14 +9,14 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/decide.h"
 #include "diagnosis/extend.h"
-#include "diagnosis/reach.h"
+#include "identification/profile_likelihood.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
 constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
 
-std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
+std::string WhyNot(const Standing& s, const Estimate& fit, const Estimate& best) {
   if (!s.significant)
     return fmt::format("gains too little over the nominal values alone (chi2 {:.0f}, {} of {} validation parts)",
                        s.chi2_gain, s.blocks_better, kBlocks);
@@ -30,34 +30,35 @@ std::string WhyNot(const Standing& s, const Fit& fit, const Fit& best) {
 
 /// How far ahead of a fit with dry friction another one may be and explain no more [-2 log evidence]: numbers to spare
 /// take up what the solver's step leaves at each stop, and no fit comes to the very bottom of its rough way.
-double Roughness(const Study& study, const Fit& fit, const Whitener& whitener) {
+double Roughness(const EstimationProblem& problem, const Estimate& fit, const Whitener& whitener) {
   constexpr double kWay = 50.0;  // between the best two of many minima
   if (!fit.hypothesis.effects.back().effect->info().traits.dry_friction) return 0.0;
-  const Result<Eigen::VectorXd> finer = study.PredictFiner(fit.hypothesis);
+  const Result<Eigen::VectorXd> finer = problem.PredictFiner(fit.hypothesis);
   return kWay + (finer.ok() ? 2.0 * whitener(*finer - fit.predicted).squaredNorm() : 0.0);
 }
 
 /// Adds to `alike` laws with fewer numbers at the place of the best one (the first of `fits`) that foretell the
 /// left-out parts of the data no worse, or explain as much as can be told. `validation`: the error there, by fit.
-void AddSimplerLaws(const Study& study, const std::vector<Fit>& fits, const std::vector<double>& validation,
-                    std::vector<std::size_t>& alike) {
-  const Whitener whitener = WhitenerOf(study, fits.front());
-  const std::vector<Assumed>& best = fits.front().hypothesis.effects;
+void AddSimplerLaws(const EstimationProblem& problem, const std::vector<Estimate>& fits,
+                    const std::vector<double>& validation, std::vector<std::size_t>& alike) {
+  const Whitener whitener = WhitenerOf(problem, fits.front());
+  const std::vector<EffectInstance>& best = fits.front().hypothesis.effects;
   for (std::size_t i = 1; i < fits.size(); ++i) {
-    const std::vector<Assumed>& other = fits[i].hypothesis.effects;
+    const std::vector<EffectInstance>& other = fits[i].hypothesis.effects;
     if (best.size() != 1 || other.size() != 1 || !(other[0].place == best[0].place)) continue;
     if (fits[i].parameters() >= fits[0].parameters()) continue;
     const double behind = fits[i].criterion - fits[0].criterion;
-    if (validation[i] > validation[0] && behind > Roughness(study, fits[i], whitener)) continue;
+    if (validation[i] > validation[0] && behind > Roughness(problem, fits[i], whitener)) continue;
     if (std::find(alike.begin(), alike.end(), i) == alike.end()) alike.push_back(i);
   }
 }
 
 }  // namespace
 
-Judgement::Judgement(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
-                     const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
-    : study_(study), training_(training), data_(data), holdout_(holdout), options_(options) {
+Judgement::Judgement(const EstimationProblem& problem, double training, double until,
+                     const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                     const DiagnoseOptions& options)
+    : problem_(problem), training_(training), data_(data), holdout_(holdout), options_(options) {
   result_.own_holdout = !holdout_.empty();
   result_.counted = until;
   if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
@@ -65,7 +66,7 @@ Judgement::Judgement(const Study& study, double training, double until, const st
 
 Status Judgement::Decide(const char* saved, const std::vector<Hypothesis>& suspects) {
   Result<Found> found =
-      Search(study_, data_, training_,
+      Search(problem_, data_, training_,
              {(std::filesystem::path(options_.out) / saved).string(), options_.resume, options_.progress, suspects});
   if (!found.ok()) return found.failure();
   found_ = *std::move(found);
@@ -88,60 +89,47 @@ Result<Diagnosis> Judgement::Report() {
   return std::move(result_);
 }
 
-ResidualTests TestsOf(const std::vector<Structure>& structure) {
-  ResidualTests tests;
-  const auto keep_least = [](std::optional<double>& least, const std::optional<double>& p) {
-    if (p && (!least || *p < *least)) least = p;
-  };
-  for (const Structure& one : structure) {
-    if (!one.tested) continue;
-    keep_least(tests.ljung_box_p_value, one.ljung_box_p_value);
-    keep_least(tests.regression_p_value, one.p_value);
-    keep_least(tests.line_p_value, one.line_p_value);
-  }
-  return tests;
-}
-
 void Judgement::Judge() {
-  Fit& null = found_.null;
-  std::vector<Fit>& fits = found_.fits;
+  Estimate& null = found_.null;
+  std::vector<Estimate>& fits = found_.fits;
   const std::vector<Structure>& structure = found_.structure;
-  const Fitter fitter(study_, fits.empty() ? WhitenerOf(study_, null) : WhitenerOf(study_, fits.front()));
-  fitter.Weigh(null);
-  fitter.Derive(null);
-  const std::vector<double> null_blocks = CrossValidate(study_, fitter, null);
-  const double rows = fitter.whitener().rows();
+  const Estimator estimator(problem_, fits.empty() ? WhitenerOf(problem_, null) : WhitenerOf(problem_, fits.front()));
+  estimator.Score(null);
+  estimator.Derive(null);
+  const std::vector<double> null_blocks = CrossValidate(problem_, estimator, null);
+  const double rows = estimator.whitener().rows();
   const std::vector<std::string> strained = StrainedDoubts(null);
-  const double farthest = Farthest(study_, null);
-  std::vector<Fit> standing;
+  const double farthest = LargestDeviation(problem_, null);
+  std::vector<Estimate> standing;
   std::vector<double> validation;
-  for (Fit& fit : fits) {
-    fitter.Weigh(fit);
-    fitter.Derive(fit);
+  for (Estimate& fit : fits) {
+    estimator.Score(fit);
+    estimator.Derive(fit);
     result_.simulations += fit.parameters() + 1;
-    const std::vector<double> blocks = CrossValidate(study_, fitter, fit);
-    const Standing s = Compare(study_, null, null_blocks, fit, blocks, rows, found_.candidates.size());
+    const std::vector<double> blocks = CrossValidate(problem_, estimator, fit);
+    const Standing s = Compare(problem_, null, null_blocks, fit, blocks, rows, found_.candidates.size());
     Considered& considered = result_.considered.emplace_back(ConsideredOf(fit));
     considered.validation_nrmse =
-        TotalNrmse(study_, fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
+        TotalNrmse(problem_, fit.predicted) * std::sqrt(s.validation_chi2 / std::max(1.0, fit.chi2));
     considered.why_not = WhyNot(s, fit, fits.front());
-    bool within = false;  // a change no larger than the doubt about its number is none
-    bool beyond = false;  // and one that the nominal model cannot do without either, far outside the doubt, is one
-    for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-      const std::optional<double> z = AsDoubt(study_.doubts()[i], fit);
+    bool within = false;  // the change is within the prior of its number: not reported
+    bool beyond = false;  // the null model moves the same number as far: reported
+    for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
+      const std::optional<double> z = AsNuisance(problem_.nuisances()[i], fit);
       if (!z) continue;
-      within = within || std::abs(*z) < kWithinDoubt;
+      within = within || std::abs(*z) < kWithinPrior;
       const double without = null.hypothesis.z[i];
       beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
                           s.chi2_gain > 0.5 * without * without);
     }
-    // So is one that spares the nominal model a value far outside its doubt: it stands beside what says that value.
-    beyond = beyond || (farthest > kBeyondDoubt && Farthest(study_, fit) < kWithinDoubt &&
+    // So is one that spares the nominal model a value far outside its prior: it stands beside what says
+    // that value.
+    beyond = beyond || (farthest > kBeyondDoubt && LargestDeviation(problem_, fit) < kWithinPrior &&
                         s.chi2_gain > 0.5 * farthest * farthest);
-    if (within) considered.why_not = "changes a nominal value by no more than the doubt about it";
+    if (within) considered.why_not = "changes a nominal value by no more than its prior allows";
     if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
     bool nothing = false;
-    for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(study_, fit, e);
+    for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(problem_, fit, e);
     if (nothing) considered.why_not = "its size cannot be told from none";
     if ((s.significant || beyond) && !within && !nothing) {
       standing.push_back(fit);
@@ -152,27 +140,27 @@ void Judgement::Judge() {
   bool rest = AnyFound(structure);
   result_.tests = TestsOf(structure);
   rest = rest || (!result_.tests.independent_of_inputs().value_or(true) && !fits.empty() &&
-                  LeavesTheSignal(study_, null, fits.front()));
+                  LeavesTheSignal(problem_, null, fits.front()));
   result_.at_noise_floor = !rest;
   if (fits.empty()) {
     result_.verdict = Verdict::kUnexplained;
     if (rest) {
       result_.reason = fmt::format("no candidate accounts for the residual: {}", TextOf(structure));
     } else if (!strained.empty()) {
-      result_.reason = fmt::format("the data agree with the model only where {} lies far outside the doubt about it",
+      result_.reason = fmt::format("the data agree with the model only where {} lies far outside its prior",
                                    fmt::join(strained, ", "));
     } else if (farthest >= kBeyondDoubt) {
       result_.reason =
           fmt::format("the data agree with the model only where a nominal value lies {:.1f} spreads off", farthest);
     } else {
       result_.verdict = Verdict::kNoEffect;
-      result_.reason = "the data agree with the model within the doubt about its nominal values";
+      result_.reason = "the data agree with the model within the prior of its nominal values";
     }
     return;
   }
   alike_ = AmbiguitySet(fits, found_.threshold);
-  AddSimplerLaws(study_, fits, validation, alike_);
-  // What accounts for the data, leaving aside what the doubts cost, as well as the best effect does.
+  AddSimplerLaws(problem_, fits, validation, alike_);
+  // What accounts for the data, leaving aside what the nuisance parameters cost, as well as the best effect does.
   if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
   if (rest) {
     const std::string left = TextOf(structure);
@@ -180,7 +168,7 @@ void Judgement::Judge() {
     result_.reason =
         fmt::format("the best candidate, {}, leaves structure in the residual{}{}{}{}", fits.front().Name(),
                     left.empty() ? "" : ": ", left, found_.partial.empty() ? "" : "; ", found_.partial);
-  } else if (const double strain = Farthest(study_, fits.front()); strain > kWithinDoubt) {
+  } else if (const double strain = LargestDeviation(problem_, fits.front()); strain > kWithinPrior) {
     result_.verdict = Verdict::kUnexplained;
     result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
                                  fits.front().Name(), strain);
@@ -194,30 +182,30 @@ void Judgement::Judge() {
   }
 }
 
-std::vector<std::string> Judgement::StrainedDoubts(const Fit& null) const {
+std::vector<std::string> Judgement::StrainedDoubts(const Estimate& null) const {
   std::vector<std::string> strained;
-  for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
-    const Doubt& doubt = study_.doubts()[i];
-    if (!doubt.start && doubt.effect == nullptr && std::abs(null.hypothesis.z[i]) > kWithinDoubt)
-      strained.push_back("nominal_value@" + doubt.path);
+  for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
+    const Nuisance& nuisance = problem_.nuisances()[i];
+    if (!nuisance.start && nuisance.effect == nullptr && std::abs(null.hypothesis.z[i]) > kWithinPrior)
+      strained.push_back("nominal_value@" + nuisance.path);
   }
   return strained;
 }
 
 Status Judgement::Conclude() {
-  const Fit& null = found_.null;
-  const std::vector<Fit>& fits = found_.fits;
+  const Estimate& null = found_.null;
+  const std::vector<Estimate>& fits = found_.fits;
   const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
-  const Fit& best = known ? fits.front() : null;
+  const Estimate& best = known ? fits.front() : null;
   NoiseFloor(best);
-  const Result<Eigen::VectorXd> nominal = study_.Predict(study_.Nominal());
+  const Result<Eigen::VectorXd> nominal = problem_.Predict(problem_.Nominal());
   if (!nominal.ok()) return nominal.failure();
-  result_.where = FindWhere(study_, study_.measured() - *nominal, floor_);
-  for (std::size_t i = 0; i < study_.doubts().size(); ++i) {
+  result_.where = Localise(problem_, problem_.measured() - *nominal, floor_);
+  for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
     if (best.hypothesis.z[i] == 0.0) continue;
-    const DoubtValue value = ValueOf(study_.doubts()[i], best.hypothesis.z[i], study_.plan());
-    result_.refitted.push_back(
-        {study_.doubts()[i].path, value.nominal, value.value, best.hypothesis.z[i], study_.doubts()[i].start});
+    const NuisanceValue value = ValueOf(problem_.nuisances()[i], best.hypothesis.z[i], problem_.plan());
+    result_.refitted.push_back({problem_.nuisances()[i].path, value.nominal, value.value, best.hypothesis.z[i],
+                                problem_.nuisances()[i].start});
   }
   if (known) ReportEffects(fits);
   if (Status failed = MeasureGain(best)) return failed;
@@ -226,27 +214,28 @@ Status Judgement::Conclude() {
       const Candidate& candidate = found_.candidates[one.candidate];
       if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
       double smallest = one.smallest;
-      for (const Doubt& doubt : study_.doubts()) {  // within the doubt about a number no change of it is an effect
-        if (Changes(candidate.At({}), doubt)) smallest = std::max(smallest, ChangeOf(doubt, kWithinDoubt));
+      for (const Nuisance& nuisance : problem_.nuisances()) {  // a change of a number within its prior is no effect
+        if (Changes(candidate.At({}), nuisance)) smallest = std::max(smallest, ChangeOf(nuisance, kWithinPrior));
       }
       result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
                                          candidate.effect->info().parameters[candidate.strengths[0]].unit, smallest});
     }
   }
   if (!known) return {};
-  const Result<std::string> file = WriteExtended(study_, best, result_, options_);
+  const Result<std::string> file = WriteExtended(problem_, best, result_, options_);
   if (!file.ok()) return file.failure();
   result_.extended_scenario = *file;
   return {};
 }
 
-void Judgement::ReportEffects(const std::vector<Fit>& fits) {
-  const Fit& best = fits.front();
-  const Eigen::VectorXd bias = SolverBias(study_, best);
+void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
+  const Estimate& best = fits.front();
+  const Eigen::VectorXd bias = SolverBias(problem_, best);
   options_.progress("how far the numbers reach", 0.96);
   // Of the part of a cause that was found no more than its fit says: the rest would move it anyway.
-  const std::vector<Reach> reach =
-      result_.verdict == Verdict::kUnexplained ? ByCovariance(best) : ReachOf(study_, best, result_.simulations);
+  const std::vector<Reach> reach = result_.verdict == Verdict::kUnexplained
+                                       ? ByCovariance(best)
+                                       : ProfileIntervalOf(problem_, best, result_.simulations);
   double evidence = 0.0;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     // Who stands beside the best one stands for its validation, where the evidence has come from numbers to spare.
@@ -255,38 +244,38 @@ void Judgement::ReportEffects(const std::vector<Fit>& fits) {
     evidence += alike && fits[i].parameters() < best.parameters() ? 1.0 : std::exp(-0.5 * behind);
   }
   Eigen::Index k = 0;
-  for (const Assumed& assumed : best.hypothesis.effects) {
+  for (const EffectInstance& instance : best.hypothesis.effects) {
     FoundEffect& found = result_.effects.emplace_back();
-    found.name = assumed.effect->info().name;
-    found.at = assumed.place.ToString();
+    found.name = instance.effect->info().name;
+    found.at = instance.place.ToString();
     found.confidence = result_.verdict == Verdict::kUnexplained ? 0.0 : std::min(0.999, 1.0 / evidence);
-    for (std::size_t i = 0; i < assumed.parameters.size(); ++i, ++k) {
-      const EffectParameter& p = assumed.effect->info().parameters[i];
+    for (std::size_t i = 0; i < instance.parameters.size(); ++i, ++k) {
+      const EffectParameter& p = instance.effect->info().parameters[i];
       const double drift = result_.effects.size() == 1 && i < drift_.size() ? drift_[i] : 0.0;
       const Reach& far = reach[static_cast<std::size_t>(k)];
-      const double value = assumed.parameters[i], besides = bias[k] + drift;
+      const double value = instance.parameters[i], besides = bias[k] + drift;
       found.parameters.push_back({p.name, p.unit, value, std::max(p.lower, value - far.below - besides),
                                   std::min(p.upper, value + far.above + besides)});
     }
   }
   if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;
   std::vector<std::string> names;
-  std::vector<Assumed> alike;
+  std::vector<EffectInstance> alike;
   for (const std::size_t i : alike_) {
     names.push_back(fits[i].Name());
     alike.push_back(fits[i].hypothesis.effects.back());
   }
   names.insert(names.end(), also_.begin(), also_.end());
   result_.ambiguous_with.push_back(names);
-  result_.experiment_text = SeparatingText(study_, alike);
-  const Result<std::string> file = WriteSeparating(study_, alike, options_);
+  result_.experiment_text = SeparatingText(problem_, alike);
+  const Result<std::string> file = WriteSeparating(problem_, alike, options_);
   if (file.ok()) result_.experiment_scenario = *file;
 }
 
-void Judgement::NoiseFloor(const Fit& best) {
-  const Eigen::VectorXd residual = study_.measured() - best.predicted;
+void Judgement::NoiseFloor(const Estimate& best) {
+  const Eigen::VectorXd residual = problem_.measured() - best.predicted;
   double sum = 0.0;
-  for (const Channel& c : study_.channels()) {
+  for (const Channel& c : problem_.channels()) {
     const auto rows = residual.segment(c.begin, c.count);
     const double rms = RmsOf(rows);
     const double white = HighFrequencyFloor(rows);
@@ -296,25 +285,25 @@ void Judgement::NoiseFloor(const Fit& best) {
     result_.residual_by_signal[c.name] = rms;
     sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
   }
-  result_.noise_floor = std::sqrt(sum / static_cast<double>(study_.channels().size()));
+  result_.noise_floor = std::sqrt(sum / static_cast<double>(problem_.channels().size()));
 }
 
-Status Judgement::MeasureGain(const Fit& best) {
+Status Judgement::MeasureGain(const Estimate& best) {
   options_.progress("hold-out", 0.97);
   // Before: the scenario as written, but from the record's own start.
-  Hypothesis start = study_.Nominal();
+  Hypothesis start = problem_.Nominal();
   for (std::size_t i = 0; i < start.z.size(); ++i) {
-    if (study_.doubts()[i].start) start.z[i] = best.hypothesis.z[i];
+    if (problem_.nuisances()[i].start) start.z[i] = best.hypothesis.z[i];
   }
-  const auto train = MeasureGains(study_, study_.PlanOf(start), study_.PlanOf(best.hypothesis));
+  const auto train = MeasureGains(problem_, problem_.PlanOf(start), problem_.PlanOf(best.hypothesis));
   if (!train.ok()) return train.failure();
   result_.train = *train;
-  const Study full(study_.plan(), result_.own_holdout ? holdout_ : data_, study_.registry(), result_.counted,
-                   study_.decompositions());
+  const EstimationProblem full(problem_.plan(), result_.own_holdout ? holdout_ : data_, problem_.registry(),
+                               result_.counted, problem_.decompositions());
   Hypothesis chosen = best.hypothesis;
   if (result_.own_holdout) {
     for (std::size_t i = 0; i < chosen.z.size(); ++i) {
-      if (study_.doubts()[i].start) chosen.z[i] = start.z[i] = 0.0;
+      if (problem_.nuisances()[i].start) chosen.z[i] = start.z[i] = 0.0;
     }
   }
   const auto holdout =

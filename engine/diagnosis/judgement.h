@@ -16,7 +16,7 @@ inline constexpr double kTrainingShare = 0.7;  // of records without a hold-out 
 class Judgement {
  public:
   /// `study`: made of `data` cut at `training`, out of a share `until` of the records that is looked at.
-  Judgement(const Study& study, double training, double until, const std::vector<MappedRecord>& data,
+  Judgement(const EstimationProblem& problem, double training, double until, const std::vector<MappedRecord>& data,
             const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options);
 
   /// Who accounts for the data; `suspects` are candidates from elsewhere. `saved`: file of the fits in the output
@@ -35,17 +35,18 @@ class Judgement {
 
  private:
   void Judge();
-  /// Nominal values that no effect stands for, which the nominal model needs far outside the doubt about them.
-  std::vector<std::string> StrainedDoubts(const Fit& null) const;
+  /// Nominal values that no effect stands for, which the nominal model needs far outside its prior about
+  /// them.
+  std::vector<std::string> StrainedDoubts(const Estimate& null) const;
   Status Conclude();
-  void ReportEffects(const std::vector<Fit>& fits);
+  void ReportEffects(const std::vector<Estimate>& fits);
   /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
   /// and nothing but noise is left, the residual itself.
-  void NoiseFloor(const Fit& best);
+  void NoiseFloor(const Estimate& best);
   /// Opened once, after the choice.
-  Status MeasureGain(const Fit& best);
+  Status MeasureGain(const Estimate& best);
 
-  const Study& study_;  // all that is for training
+  const EstimationProblem& problem_;  // all that is for training
   const double training_;
   const std::vector<MappedRecord>& data_;
   const std::vector<MappedRecord>& holdout_;

@@ -103,33 +103,33 @@ Plan Started(Plan plan, const Diagnosis& found) {
 
 Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, const Diagnosis& found,
                                   const Registry& registry) {
-  const Study study(nominal, records, registry, found.counted);
-  const Result<Eigen::VectorXd> before = study.PredictPlan(Started(nominal, found));
+  const EstimationProblem problem(nominal, records, registry, found.counted);
+  const Result<Eigen::VectorXd> before = problem.PredictPlan(Started(nominal, found));
   if (!before.ok()) return before.failure();
   std::optional<Eigen::VectorXd> after;
   if (const std::string& file = found.extended_scenario; !file.empty()) {
     Diagnostics diagnostics;
     const std::unique_ptr<Prepared> extended = Prepare(file, {}, registry, diagnostics);
     if (extended == nullptr) return Failure{.message = diagnostics.Format(), .signal = file};
-    Result<Eigen::VectorXd> predicted = study.PredictPlan(Started(extended->plan, found));
+    Result<Eigen::VectorXd> predicted = problem.PredictPlan(Started(extended->plan, found));
     if (!predicted.ok()) return predicted.failure();
     after = std::move(*predicted);
   }
   std::vector<Picture> pictures;
   const auto courses = [&](const Channel& channel) {
-    Courses c{{study.time_s().begin() + channel.begin, study.time_s().begin() + channel.begin + channel.count},
-              Part(study.measured(), channel),
+    Courses c{{problem.time_s().begin() + channel.begin, problem.time_s().begin() + channel.begin + channel.count},
+              Part(problem.measured(), channel),
               Part(*before, channel),
               {}};
     if (after) c.extended = Part(*after, channel);
     return c;
   };
-  for (const Channel& channel : study.channels()) {
+  for (const Channel& channel : problem.channels()) {
     const std::string title =
         records.size() > 1 ? fmt::format("{}, record {}", channel.name, channel.record + 1) : channel.name;
     const Courses own = courses(channel);
     AddOf(channel, title, own, pictures);
-    for (const Channel& other : study.channels()) {
+    for (const Channel& other : problem.channels()) {
       if (other.record != channel.record || other.count != channel.count) continue;
       const Courses along = courses(other);
       Picture picture{.key = "over:" + title + ":" + other.name,

@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "diagnosis/diagnose.h"
-#include "diagnosis/study.h"
+#include "diagnosis/terms.h"
 #include "experiment/pictures.h"
+#include "identification/estimation_problem.h"
 
 namespace dynoproof::diagnosis {
 

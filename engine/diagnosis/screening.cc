@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/parallel.h"
-#include "diagnosis/noise.h"
+#include "identification/noise_model.h"
 #include "score/align.h"
 #include "score/nrmse.h"
 
@@ -22,21 +22,21 @@ bool AsItStands(const Candidate& candidate) {
   return !candidate.effect->ScaledParameter(candidate.place).empty() || traits.delay || traits.lag;
 }
 
-/// What the screening of one candidate needs: the base's whitened error, freed of what the doubts explain.
+/// What the screening of one candidate needs: the base's whitened error, freed of what the nuisance parameters explain.
 class Look {
  public:
-  Look(const Study& study, const Fitter& fitter, const Fit& base)
-      : study_(study),
-        fitter_(fitter),
+  Look(const EstimationProblem& problem, const Estimator& estimator, const Estimate& base)
+      : problem_(problem),
+        estimator_(estimator),
         base_(base),
-        plan_(study.PlanOf({base.doubts.z0, base.hypothesis.effects})),
-        projection_(base.doubts, fitter.whitener()) {
-    const Result<Eigen::VectorXd> at = study.Predict({base.doubts.z0, base.hypothesis.effects});
+        plan_(problem.PlanOf({base.nuisances.z0, base.hypothesis.effects})),
+        projection_(base.nuisances, estimator.whitener()) {
+    const Result<Eigen::VectorXd> at = problem.Predict({base.nuisances.z0, base.hypothesis.effects});
     if (at.ok()) predicted_ = *at;
-    error_ = fitter.whitener()(study.measured() - predicted_);
+    error_ = estimator.whitener()(problem.measured() - predicted_);
     freed_error_ = FreeError(projection_);
-    for (const Channel& c : study.channels())
-      floors_.push_back(std::max(HighFrequencyFloor(study.measured().segment(c.begin, c.count)), 1e-9 * c.nominal));
+    for (const Channel& c : problem.channels())
+      floors_.push_back(std::max(HighFrequencyFloor(problem.measured().segment(c.begin, c.count)), 1e-9 * c.nominal));
     power_ = PowerOf(base.predicted);
   }
 
@@ -47,13 +47,13 @@ class Look {
     // What the base's effects have replaced is no place any more.
     const std::vector<Place> places = candidate.effect->Places(plan_);
     if (std::find(places.begin(), places.end(), candidate.place) == places.end()) return best;
-    // The candidate's own doubt must not compete with it.
-    const std::optional<DoubtModel> fewer = Without(candidate);
+    // The candidate's own nuisance parameter must not compete with it.
+    const std::optional<NuisanceModel> fewer = Without(candidate);
     const std::optional<Projection> own =
-        fewer ? std::optional<Projection>(Projection(*fewer, fitter_.whitener())) : std::nullopt;
-    const DoubtModel& doubts = fewer ? *fewer : base_.doubts;
+        fewer ? std::optional<Projection>(Projection(*fewer, estimator_.whitener())) : std::nullopt;
+    const NuisanceModel& nuisances = fewer ? *fewer : base_.nuisances;
     const Projection& projection = own ? *own : projection_;
-    const auto take = [&](const Fit& fit) {
+    const auto take = [&](const Estimate& fit) {
       best.simulations += fit.simulations;
       if (!fit.ok()) return;
       const std::vector<double>& parameters = fit.hypothesis.effects.back().parameters;
@@ -67,9 +67,9 @@ class Look {
       best.parameters = parameters;
     };
     const auto evaluate = [&](const std::vector<double>& parameters) {
-      std::vector<Assumed> effects = base_.hypothesis.effects;
+      std::vector<EffectInstance> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At(parameters));
-      return fitter_.Evaluate(effects, doubts, projection);
+      return estimator_.Evaluate(effects, nuisances, projection);
     };
     std::vector<std::vector<double>> starts = candidate.starts;
     if (const double late_s = candidate.effect->info().traits.delay ? LateBy(candidate) : 0.0; late_s > 0.0)
@@ -105,9 +105,9 @@ class Look {
       }
     }
     if (candidate.strengths.empty() && !candidate.effect->info().parameters.empty() && !best.parameters.empty()) {
-      std::vector<Assumed> effects = base_.hypothesis.effects;
+      std::vector<EffectInstance> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At(best.parameters));
-      take(fitter_.Optimise(effects, doubts, 4));
+      take(estimator_.Optimise(effects, nuisances, 4));
     }
     return best;
   }
@@ -118,11 +118,11 @@ class Look {
   double LateBy(const Candidate& candidate) const {
     const EffectParameter& delay = candidate.effect->info().parameters[0];
     double late_s = 0.0, least = 1.0;
-    for (const Channel& c : study_.channels()) {
+    for (const Channel& c : problem_.channels()) {
       if (candidate.place.kind == "output" && c.name != candidate.place.name) continue;
       const auto rows = static_cast<std::size_t>(c.count);
       const score::AlignmentFit fit = score::FitArrays(
-          {predicted_.data() + c.begin, rows}, {study_.measured().data() + c.begin, rows}, c.step_s, {.gain = false});
+          {predicted_.data() + c.begin, rows}, {problem_.measured().data() + c.begin, rows}, c.step_s, {.gain = false});
       if (!fit.ok() || !(fit.unexplained < least)) continue;
       least = fit.unexplained;
       late_s = std::clamp(fit.shift_s, delay.lower, delay.upper);
@@ -132,38 +132,38 @@ class Look {
 
   /// Of what a prediction leaves, in units of the noise's highest frequencies by channel.
   double PowerOf(const Eigen::VectorXd& predicted) const {
-    const Eigen::VectorXd left = study_.measured() - predicted;
+    const Eigen::VectorXd left = problem_.measured() - predicted;
     double power = 0.0;
-    for (const Channel& c : study_.channels()) {
-      const double floor = floors_[static_cast<std::size_t>(&c - study_.channels().data())];
+    for (const Channel& c : problem_.channels()) {
+      const double floor = floors_[static_cast<std::size_t>(&c - problem_.channels().data())];
       power += left.segment(c.begin, c.count).squaredNorm() / (floor * floor);
     }
     return power;
   }
 
-  /// What the doubts leave of the base's error, and what they cost.
+  /// What the nuisance parameters leave of the base's error, and what they cost.
   Eigen::VectorXd FreeError(const Projection& projection) const {
     return projection.Residual(error_, projection.Shift(error_));
   }
 
-  std::optional<DoubtModel> Without(const Candidate& candidate) const {
-    std::vector<Assumed> effects = base_.hypothesis.effects;
+  std::optional<NuisanceModel> Without(const Candidate& candidate) const {
+    std::vector<EffectInstance> effects = base_.hypothesis.effects;
     effects.push_back(candidate.At(candidate.starts.front()));
-    const std::vector<double> freedom = FreedomOf(study_, effects);
-    DoubtModel doubts = base_.doubts;
+    const std::vector<double> freedom = FreedomOf(problem_, effects);
+    NuisanceModel nuisances = base_.nuisances;
     std::vector<int> columns;
-    for (std::size_t k = 0; k < doubts.free.size(); ++k) {
-      const auto i = static_cast<std::size_t>(doubts.free[k]);
-      doubts.freedom[i] = std::min(doubts.freedom[i], freedom[i]);
-      if (doubts.freedom[i] > 0.0) columns.push_back(static_cast<int>(k));
+    for (std::size_t k = 0; k < nuisances.free.size(); ++k) {
+      const auto i = static_cast<std::size_t>(nuisances.free[k]);
+      nuisances.freedom[i] = std::min(nuisances.freedom[i], freedom[i]);
+      if (nuisances.freedom[i] > 0.0) columns.push_back(static_cast<int>(k));
     }
-    if (columns.size() == doubts.free.size()) return std::nullopt;
-    DoubtModel fewer = doubts;
+    if (columns.size() == nuisances.free.size()) return std::nullopt;
+    NuisanceModel fewer = nuisances;
     fewer.free.clear();
-    fewer.jacobian.resize(doubts.jacobian.rows(), static_cast<Eigen::Index>(columns.size()));
+    fewer.jacobian.resize(nuisances.jacobian.rows(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      fewer.free.push_back(doubts.free[static_cast<std::size_t>(columns[k])]);
-      fewer.jacobian.col(static_cast<Eigen::Index>(k)) = doubts.jacobian.col(columns[k]);
+      fewer.free.push_back(nuisances.free[static_cast<std::size_t>(columns[k])]);
+      fewer.jacobian.col(static_cast<Eigen::Index>(k)) = nuisances.jacobian.col(columns[k]);
     }
     return fewer;
   }
@@ -175,12 +175,12 @@ class Look {
     const Eigen::VectorXd error = &projection == &projection_ ? freed_error_ : FreeError(projection);
     Eigen::MatrixXd signatures(error.size(), 2);
     for (int k = 0; k < 2; ++k) {
-      std::vector<Assumed> effects = base_.hypothesis.effects;
+      std::vector<EffectInstance> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At({start[0], start[1], k * 0.5 * std::numbers::pi}));
       ++screened.simulations;
-      const Result<Eigen::VectorXd> predicted = study_.Predict({base_.doubts.z0, effects});
+      const Result<Eigen::VectorXd> predicted = problem_.Predict({base_.nuisances.z0, effects});
       if (!predicted.ok() || !predicted->allFinite()) return std::nullopt;
-      signatures.col(k) = projection.Free(fitter_.whitener()(*predicted - predicted_));
+      signatures.col(k) = projection.Free(estimator_.whitener()(*predicted - predicted_));
     }
     const double norm = signatures.col(0).norm();
     if (norm > 0.0 && !(screened.smallest <= start[0] * std::sqrt(threshold) / norm))
@@ -209,12 +209,12 @@ class Look {
     for (std::size_t k = 0; k < strengths.size(); ++k) {
       std::vector<double> at = neutral;
       at[strengths[k]] = from[strengths[k]];
-      std::vector<Assumed> effects = base_.hypothesis.effects;
+      std::vector<EffectInstance> effects = base_.hypothesis.effects;
       effects.push_back(candidate.At(at));
       ++screened.simulations;
-      const Result<Eigen::VectorXd> predicted = study_.Predict({base_.doubts.z0, effects});
+      const Result<Eigen::VectorXd> predicted = problem_.Predict({base_.nuisances.z0, effects});
       if (!predicted.ok() || !predicted->allFinite()) return std::nullopt;
-      const Eigen::VectorXd signature = projection.Free(fitter_.whitener()(*predicted - predicted_));
+      const Eigen::VectorXd signature = projection.Free(estimator_.whitener()(*predicted - predicted_));
       signatures.col(static_cast<Eigen::Index>(k)) = signature;
       const double size = std::abs(from[strengths[k]] - neutral[strengths[k]]);
       const double norm = signature.norm();
@@ -256,9 +256,9 @@ class Look {
     return scaled;
   }
 
-  const Study& study_;
-  const Fitter& fitter_;
-  const Fit& base_;
+  const EstimationProblem& problem_;
+  const Estimator& estimator_;
+  const Estimate& base_;
   const Plan plan_;  // of the base
   Projection projection_;
   Eigen::VectorXd predicted_, error_, freed_error_;
@@ -268,10 +268,10 @@ class Look {
 
 }  // namespace
 
-std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit& base,
+std::vector<Screened> Screen(const EstimationProblem& problem, const Estimator& estimator, const Estimate& base,
                              const std::vector<Candidate>& candidates, double threshold,
                              const std::function<void(double)>& progress) {
-  const Look look(study, fitter, base);
+  const Look look(problem, estimator, base);
   std::vector<Screened> all(candidates.size());
   std::vector<std::size_t> first, second;
   std::set<std::string> promising;

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "diagnosis/candidates.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/terms.h"
+#include "identification/estimator.h"
 
 namespace dynoproof::diagnosis {
 
@@ -22,9 +23,9 @@ struct Screened {
   bool promising = false;  // gained enough to be fitted fully
 };
 
-/// Screens the candidates on top of `base` (its effects and doubts). Sorted by criterion, best first; candidates that
-/// cannot be simulated are left out. `threshold`: gain of chi2 that counts as seen.
-std::vector<Screened> Screen(const Study& study, const Fitter& fitter, const Fit& base,
+/// Screens the candidates on top of `base` (its effects and nuisance parameters). Sorted by criterion, best first;
+/// candidates that cannot be simulated are left out. `threshold`: gain of chi2 that counts as seen.
+std::vector<Screened> Screen(const EstimationProblem& problem, const Estimator& estimator, const Estimate& base,
                              const std::vector<Candidate>& candidates, double threshold,
                              const std::function<void(double)>& progress);
 

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/fit.h"
 #include "diagnosis/screening.h"
+#include "diagnosis/terms.h"
+#include "identification/estimator.h"
+#include "identification/residual_tests.h"
 
 namespace dynoproof::diagnosis {
 
@@ -16,11 +18,11 @@ struct Considered {
   double validation_nrmse = 0.0;
 };
 /// Name and place of a fit; of several effects the last one's place, the others with theirs in the name.
-Considered ConsideredOf(const Fit& fit);
+Considered ConsideredOf(const Estimate& fit);
 
 struct Found {
-  Fit null;               // the nominal scenario with all the freedom of its doubts
-  std::vector<Fit> fits;  // best first; single effects, or pairs where no single one accounts for the records
+  Estimate null;               // the nominal scenario with all the freedom of its nuisance parameters
+  std::vector<Estimate> fits;  // best first; single effects, or pairs where no single one accounts for the records
   std::vector<Structure> structure;  // what the best of all leaves, by channel
   std::vector<Candidate> candidates;
   std::vector<Screened> screened;      // single effects
@@ -38,7 +40,7 @@ struct SearchOptions {
 };
 
 /// `study`: all of the training data, made of `data` cut at `training_share`. Fails where the nominal run breaks.
-Result<Found> Search(const Study& study, const std::vector<MappedRecord>& data, double training_share,
+Result<Found> Search(const EstimationProblem& problem, const std::vector<MappedRecord>& data, double training_share,
                      const SearchOptions& options);
 
 }  // namespace dynoproof::diagnosis

@@ -7,7 +7,7 @@
 
 #include "experiment/prepare.h"
 #include "scenario/load.h"
-#include "tests/diagnosis/made_record.h"
+#include "tests/identification/made_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -34,8 +34,8 @@ TEST(CandidatesFor, AnEffectStartsWhereItSays) {
   record.inputs["T_airgap"] = {Shared(Times(201)), Shared(RandomTorque(201))};
   record.outputs["T_shaft"] = record.inputs["T_airgap"];
   record.end_s = 0.02;
-  const Study study(*plan, {record}, registry);
-  const std::vector<Candidate> candidates = CandidatesFor(study, MagnitudesOf(study));
+  const EstimationProblem problem(*plan, {record}, registry);
+  const std::vector<Candidate> candidates = CandidatesFor(problem, MagnitudesOf(problem));
   const auto starts_of = [&](const std::string& name) {
     const auto found = std::find_if(candidates.begin(), candidates.end(),
                                     [&](const Candidate& candidate) { return candidate.effect->info().name == name; });

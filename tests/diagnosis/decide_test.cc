@@ -1,5 +1,5 @@
-// The statistics that decide a verdict: their size where nothing is hidden, their power where something is, against what
-// theory expects; and what may not stand although nothing explains the data better.
+// The statistics that decide a verdict: their size where nothing is hidden, their power where something is, against
+// what theory expects; and what may not stand although nothing explains the data better.
 
 #include "diagnosis/decide.h"
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "tests/diagnosis/line_record.h"
-#include "tests/diagnosis/lumped_line.h"
+#include "tests/identification/line_record.h"
+#include "tests/identification/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -19,22 +19,22 @@ using LeavesTheSignal = LumpedLine;
 // As the measurement would be if the model missed so much of each channel's motion.
 TEST_F(LeavesTheSignal, WhereMostOfItIsMissedInTheChannelThatGainsMost) {
   ASSERT_TRUE(plan_);
-  const Study study(*plan_, {LineRecord(blind::IndependentLine(), blind::IndependentTorque(2001, 7), 0.003)},
-                    registry_);
+  const EstimationProblem problem(
+      *plan_, {LineRecord(blind::IndependentLine(), blind::IndependentTorque(2001, 7), 0.003)}, registry_);
   const auto missing = [&](double torque, double speed) {
-    Fit fit;
-    fit.predicted = study.measured();
-    for (const Channel& c : study.channels()) {
+    Estimate fit;
+    fit.predicted = problem.measured();
+    for (const Channel& c : problem.channels()) {
       for (Eigen::Index i = 0; i < c.count; ++i)
         fit.predicted[c.begin + i] += (i % 2 == 0 ? 1.0 : -1.0) * c.spread * (c.name == "T_shaft" ? torque : speed);
     }
     return fit;
   };
-  EXPECT_TRUE(dynoproof::diagnosis::LeavesTheSignal(study, missing(1.4, 0.01), missing(0.9, 0.01)));
+  EXPECT_TRUE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(1.4, 0.01), missing(0.9, 0.01)));
   // A small effect under little noise, a large one under much, and a channel of noise alone beside one that gains.
-  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(study, missing(0.011, 0.01), missing(0.01, 0.01)));
-  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(study, missing(3.0, 0.01), missing(0.9, 0.01)));
-  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(study, missing(2.9, 0.57), missing(0.01, 0.56)));
+  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(0.011, 0.01), missing(0.01, 0.01)));
+  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(3.0, 0.01), missing(0.9, 0.01)));
+  EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(2.9, 0.57), missing(0.01, 0.56)));
 }
 
 /// Records of white noise with variance 1, and linear models of them made by hand: what least squares does to them is
@@ -44,39 +44,40 @@ class WhiteRecords : public LumpedLine {
   static constexpr std::size_t kRows = 500;
 
   WhiteRecords()
-      : study_(*plan_, {LineRecord(blind::IndependentLine(), blind::IndependentTorque(kRows, 7), 0.003)}, registry_) {}
+      : problem_(*plan_, {LineRecord(blind::IndependentLine(), blind::IndependentTorque(kRows, 7), 0.003)}, registry_) {
+  }
 
   Eigen::VectorXd White() {
-    return Eigen::VectorXd::NullaryExpr(study_.measured().size(), [this] { return normal_(random_); });
+    return Eigen::VectorXd::NullaryExpr(problem_.measured().size(), [this] { return normal_(random_); });
   }
   /// A whitener that changes nothing: order 0 and sigma 1.
   Whitener Unit() const {
-    Eigen::VectorXd ones(study_.measured().size());
+    Eigen::VectorXd ones(problem_.measured().size());
     for (Eigen::Index i = 0; i < ones.size(); ++i) ones[i] = i % 2 == 0 ? 1.0 : -1.0;
-    return Whitener(study_.channels(), ones, 0);
+    return Whitener(problem_.channels(), ones, 0);
   }
   /// Least squares of `columns` to what the nominal model leaves, as a fit of one effect with as many parameters.
-  Fit FitOf(const Eigen::VectorXd& left, const Eigen::MatrixXd& columns) const {
-    Fit fit;
+  Estimate FitOf(const Eigen::VectorXd& left, const Eigen::MatrixXd& columns) const {
+    Estimate fit;
     const Eigen::VectorXd size = columns.householderQr().solve(left);
     fit.hypothesis.effects = {{registry_.FindEffect("constant_load"), *ParsePlace("inertia:I4"),
                                std::vector<double>(static_cast<std::size_t>(columns.cols()), 0.0)}};
     const Eigen::VectorXd rest = left - columns * size;
-    fit.predicted = study_.measured() - rest;
+    fit.predicted = problem_.measured() - rest;
     fit.jacobian = columns;
     fit.chi2 = rest.squaredNorm();
     fit.criterion = fit.chi2 + static_cast<double>(columns.cols()) * std::log(static_cast<double>(left.size()));
     return fit;
   }
-  Fit Nominal(const Eigen::VectorXd& left) const {
-    Fit fit;
-    fit.predicted = study_.measured() - left;
+  Estimate Nominal(const Eigen::VectorXd& left) const {
+    Estimate fit;
+    fit.predicted = problem_.measured() - left;
     fit.jacobian.resize(left.size(), 0);
     fit.chi2 = fit.criterion = left.squaredNorm();
     return fit;
   }
 
-  Study study_;
+  EstimationProblem problem_;
   std::mt19937 random_{28};
   std::normal_distribution<double> normal_;
 };
@@ -84,19 +85,20 @@ class WhiteRecords : public LumpedLine {
 using CrossValidation = WhiteRecords;
 
 // Left-out part b is predicted by what the others say: its error grows by J_b' (J'J - J_b'J_b)^-1 J_b summed over the
-// parts, which for p columns without structure is p kBlocks / (kBlocks - 1). A true effect gains its own squares besides.
+// parts, which for p columns without structure is p kBlocks / (kBlocks - 1). A true effect gains its own squares
+// besides.
 TEST_F(CrossValidation, GainsWhatTheoryExpects) {
-  const Fitter fitter(study_, Unit());
+  const Estimator estimator(problem_, Unit());
   constexpr int kDraws = 400, kColumns = 2;
   constexpr double kCost = kColumns * kBlocks / (kBlocks - 1.0);
   for (const double strength : {0.0, 6.0}) {
     double sum = 0.0, squares = 0.0;
     for (int draw = 0; draw < kDraws; ++draw) {
-      Eigen::MatrixXd columns(study_.measured().size(), kColumns);
+      Eigen::MatrixXd columns(problem_.measured().size(), kColumns);
       for (int k = 0; k < kColumns; ++k) columns.col(k) = White().normalized();
       const Eigen::VectorXd left = White() + strength * columns.col(0);
-      const std::vector<double> without = CrossValidate(study_, fitter, Nominal(left)),
-                                with = CrossValidate(study_, fitter, FitOf(left, columns));
+      const std::vector<double> without = CrossValidate(problem_, estimator, Nominal(left)),
+                                with = CrossValidate(problem_, estimator, FitOf(left, columns));
       double gain = 0.0;
       for (int b = 0; b < kBlocks; ++b)
         gain += without[static_cast<std::size_t>(b)] - with[static_cast<std::size_t>(b)];
@@ -115,12 +117,12 @@ TEST_F(Decision, PValuesAreUniformWhereNothingIsHidden) {
   constexpr int kDraws = 1000;
   int below = 0, found = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    Eigen::MatrixXd columns(study_.measured().size(), 2);
+    Eigen::MatrixXd columns(problem_.measured().size(), 2);
     columns << White().normalized(), White().normalized();
     const Eigen::VectorXd noise = White(), hidden = noise + 6.0 * columns.col(0);
     const std::vector<double> same(kBlocks, 1.0);
     const auto p_value = [&](const Eigen::VectorXd& left) {
-      return Compare(study_, Nominal(left), same, FitOf(left, columns), same, static_cast<double>(left.size()), 1)
+      return Compare(problem_, Nominal(left), same, FitOf(left, columns), same, static_cast<double>(left.size()), 1)
           .p_value;
     };
     below += p_value(noise) < 0.05 ? 1 : 0;
@@ -137,7 +139,7 @@ TEST_F(Decision, PValuesAreUniformWhereNothingIsHidden) {
 // threshold asks for odds of 1000 to 1 for each, and must not ask for what a real effect of 10 deviations has not got.
 TEST_F(Decision, TheThresholdIsAboveTheBestOfAllCandidatesOnNoise) {
   constexpr int kDraws = 300, kCandidates = 300;
-  const auto rows = static_cast<double>(study_.measured().size());
+  const auto rows = static_cast<double>(problem_.measured().size());
   const double threshold = Threshold(rows, kCandidates);
   std::vector<double> best;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -155,8 +157,8 @@ TEST_F(Decision, TheThresholdIsAboveTheBestOfAllCandidatesOnNoise) {
 
 // All conditions together on noise: nothing passes; on an effect of ten deviations nearly everything does.
 TEST_F(Decision, NothingOnNoiseIsSignificantAndAClearEffectIs) {
-  const Fitter fitter(study_, Unit());
-  const auto rows = static_cast<double>(study_.measured().size());
+  const Estimator estimator(problem_, Unit());
+  const auto rows = static_cast<double>(problem_.measured().size());
   constexpr int kDraws = 200;
   int alarms = 0, found = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -164,9 +166,9 @@ TEST_F(Decision, NothingOnNoiseIsSignificantAndAClearEffectIs) {
     const Eigen::VectorXd noise = White();
     for (const double strength : {0.0, 10.0}) {
       const Eigen::VectorXd left = noise + strength * column;
-      const Fit nominal = Nominal(left), fit = FitOf(left, column);
-      const Standing standing = Compare(study_, nominal, CrossValidate(study_, fitter, nominal), fit,
-                                        CrossValidate(study_, fitter, fit), rows, 300);
+      const Estimate nominal = Nominal(left), fit = FitOf(left, column);
+      const Standing standing = Compare(problem_, nominal, CrossValidate(problem_, estimator, nominal), fit,
+                                        CrossValidate(problem_, estimator, fit), rows, 300);
       (strength > 0.0 ? found : alarms) += standing.significant ? 1 : 0;
     }
   }
@@ -179,9 +181,9 @@ TEST_F(Decision, NothingOnNoiseIsSignificantAndAClearEffectIs) {
 using Ambiguity = WhiteRecords;
 
 TEST_F(Ambiguity, HoldsWhatIsAsGoodAndDropsWhatIsOnlyMoreComplex) {
-  const double threshold = Threshold(static_cast<double>(study_.measured().size()), 300);
+  const double threshold = Threshold(static_cast<double>(problem_.measured().size()), 300);
   const auto fit = [this](const char* place, std::size_t parameters, double criterion, double chi2) {
-    Fit made;
+    Estimate made;
     made.hypothesis.effects = {
         {registry_.FindEffect("constant_load"), *ParsePlace(place), std::vector<double>(parameters, 0.0)}};
     made.criterion = criterion;
@@ -190,9 +192,9 @@ TEST_F(Ambiguity, HoldsWhatIsAsGoodAndDropsWhatIsOnlyMoreComplex) {
   };
   // The best; one within odds of 150 to 1; one beyond them; one with a parameter more at the best one's place, which
   // gains less than counts; and the same at another place, where it is another cause.
-  const std::vector<Fit> fits = {fit("inertia:I4", 1, 100.0, 95.0), fit("inertia:I3", 1, 105.0, 100.0),
-                                 fit("inertia:I2", 1, 111.0, 106.0), fit("inertia:I4", 2, 104.0, 92.0),
-                                 fit("inertia:I5", 2, 104.0, 92.0)};
+  const std::vector<Estimate> fits = {fit("inertia:I4", 1, 100.0, 95.0), fit("inertia:I3", 1, 105.0, 100.0),
+                                      fit("inertia:I2", 1, 111.0, 106.0), fit("inertia:I4", 2, 104.0, 92.0),
+                                      fit("inertia:I5", 2, 104.0, 92.0)};
   EXPECT_EQ(AmbiguitySet(fits, threshold), (std::vector<std::size_t>{0, 1, 4}));
 }
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/diagnose.h"
-#include "tests/diagnosis/made_record.h"
+#include "tests/identification/made_record.h"
 
 namespace dynoproof::diagnosis {
 namespace {

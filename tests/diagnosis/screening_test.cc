@@ -34,20 +34,21 @@ TEST(SlowScreening, PlacesThatAnEffectHasReplacedArePassedOver) {
   record.outputs["T_shaft"] = Made(300.0, 2);
   record.outputs["omega_1"] = Made(0.1, 3);
   record.end_s = 0.02;
-  const Study study(*plan, {record}, registry);
-  const std::vector<Candidate> candidates = CandidatesFor(study, MagnitudesOf(study));
+  const EstimationProblem problem(*plan, {record}, registry);
+  const std::vector<Candidate> candidates = CandidatesFor(problem, MagnitudesOf(problem));
   const auto rotor = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& candidate) {
     return candidate.effect->info().name == "distributed_inertia";
   });
   ASSERT_NE(rotor, candidates.end());
-  Fit base = FitAt(study, {std::vector<double>(study.doubts().size(), 0.0), {rotor->At(rotor->starts.front())}});
+  Estimate base =
+      EstimateAt(problem, {std::vector<double>(problem.nuisances().size(), 0.0), {rotor->At(rotor->starts.front())}});
   ASSERT_TRUE(base.ok()) << base.broken;
-  const Result<DoubtModel> doubts = LineariseDoubts(study, base.hypothesis, base.doubts.freedom);
-  ASSERT_TRUE(doubts.ok());
-  base.doubts = *doubts;
-  const Fitter fitter(study, WhitenerOf(study, base, 0));
-  fitter.Weigh(base);
-  const std::vector<Screened> screened = Screen(study, fitter, base, candidates, 50.0, [](double) {});
+  const Result<NuisanceModel> nuisances = LineariseNuisances(problem, base.hypothesis, base.nuisances.freedom);
+  ASSERT_TRUE(nuisances.ok());
+  base.nuisances = *nuisances;
+  const Estimator estimator(problem, WhitenerOf(problem, base, 0));
+  estimator.Score(base);
+  const std::vector<Screened> screened = Screen(problem, estimator, base, candidates, 50.0, [](double) {});
   int gone = 0, there = 0;
   for (const Screened& one : screened) {
     const std::string place = candidates[one.candidate].place.ToString();

@@ -9,8 +9,8 @@
 #include <functional>
 
 #include "diagnosis/candidates.h"
-#include "tests/diagnosis/line_record.h"
-#include "tests/diagnosis/lumped_line.h"
+#include "tests/identification/line_record.h"
+#include "tests/identification/lumped_line.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -33,7 +33,8 @@ class SlowSearch : public LumpedLine {
 
   Result<Found> FoundIn(const std::vector<MappedRecord>& records) const {
     const std::filesystem::path saved = std::filesystem::path(testing::TempDir()) / "search_test_state.json";
-    return Search(Study(*plan_, records, registry_), records, 1.0, {saved.string(), false, [](auto&&...) {}});
+    return Search(EstimationProblem(*plan_, records, registry_), records, 1.0,
+                  {saved.string(), false, [](auto&&...) {}});
   }
 };
 
@@ -51,7 +52,7 @@ TEST_F(SlowSearch, ALostCubicSpringBeginsAnewOnShortParts) {
   const Result<Found> found = FoundIn(Measured(line));
   ASSERT_TRUE(found.ok());
   ASSERT_FALSE(found->fits.empty());
-  const Fit& best = found->fits.front();
+  const Estimate& best = found->fits.front();
   ASSERT_EQ(best.Name(), "cubic_stiffness@shaft:k3");
   EXPECT_NEAR(best.hypothesis.effects[0].parameters[0], kCubic, 0.05 * kCubic);
 }

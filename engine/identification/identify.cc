@@ -1,0 +1,280 @@
+#include "identification/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "identification/estimator.h"
+#include "scenario/load.h"
+
+namespace dynoproof::identification {
+namespace {
+
+/// Random points for a start.
+std::size_t TriesOf(const IdentifyOptions& options) {
+  const bool runs = options.method == IdentifyMethod::kFreeRun || options.method == IdentifyMethod::kSpectrum;
+  const bool anywhere = std::any_of(options.keys.begin(), options.keys.end(),
+                                    [](const FreeKey& free) { return free.bounds.has_value(); });
+  return !anywhere ? 1 : runs ? 20 : 200;
+}
+
+/// Sandwich covariance: the scores of neighbouring samples are correlated where the residual is coloured, so they are
+/// summed over blocks that are longer than its memory.
+Eigen::MatrixXd Sandwich(const Objective& objective, const Optimum& at, const Eigen::MatrixXd& inverse) {
+  constexpr Eigen::Index kBlocks = 50, kFewest = 8;  // the score of all rows together is none at the optimum
+  const Eigen::Index p = at.jacobian.cols();
+  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(p, p);
+  for (const auto& [first, count] : objective.Courses()) {
+    const Eigen::Index blocks =
+        std::min<Eigen::Index>(kBlocks, std::max<Eigen::Index>(std::min(kFewest, count), count / 10));
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+      const Eigen::Index begin = first + count * b / blocks, end = first + count * (b + 1) / blocks;
+      const Eigen::VectorXd score =
+          at.jacobian.middleRows(begin, end - begin).transpose() * at.error.segment(begin, end - begin);
+      meat += score * score.transpose();
+    }
+  }
+  return inverse * meat * inverse;
+}
+
+/// What the Jacobian at the optimum tells: adds to singular values and keys not told apart, returns (J'J)^-1.
+Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at.jacobian.transpose() * at.jacobian, Eigen::ComputeFullV);
+  Eigen::VectorXd inverse_values = svd.singularValues();
+  // What a change of 100 % moves by less than a tenth of the noise (all samples together) is not seen.
+  const double unseen = 0.01 * at.error.squaredNorm() / static_cast<double>(at.error.size());
+  for (Eigen::Index k = 0; k < inverse_values.size(); ++k) {
+    const double value = svd.singularValues()[k];
+    result.singular.push_back(std::sqrt(value));
+    inverse_values[k] = value > 0.0 ? 1.0 / std::max(value, 1e-15 * svd.singularValues()[0]) : 0.0;
+    if (value > 1e-9 * svd.singularValues()[0] && value > unseen) continue;
+    std::vector<std::string> set;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (std::abs(svd.matrixV()(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(axes[i].key);
+    }
+    result.alike.push_back(set);
+  }
+  return svd.matrixV() * inverse_values.asDiagonal() * svd.matrixV().transpose();
+}
+
+void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    result.values.push_back(
+        {axes[i].key, axes[i].nominal, axes[i].ValueAt(at.x[i]), std::nullopt, axes[i].OnBound(at.x[i])});
+  }
+  result.converged = std::min(result.converged, at.converged);
+}
+
+/// Intervals by the covariance of the search's own numbers. One as wide as the axis says nothing; and of what is not
+/// told apart scores vanish with the slopes, which is no covariance.
+void AddIntervals(const Objective& objective, const Optimum& at, const std::vector<Axis>& axes,
+                  const Eigen::MatrixXd& inverse, Identified& result) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd own = Sandwich(objective, at, inverse);
+  Eigen::VectorXd slope(own.rows());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    slope[k] = axes[i].Slope(at.x[i]);
+    const double half = kTwoSided95 * std::sqrt(std::max(0.0, own(k, k)));
+    const double a = axes[i].ValueAt(at.x[i] - half), b = axes[i].ValueAt(at.x[i] + half);
+    const bool told = std::none_of(result.alike.begin(), result.alike.end(), [&](const std::vector<std::string>& set) {
+      return std::find(set.begin(), set.end(), axes[i].key) != set.end();
+    });
+    if (!told) own.row(k).setConstant(kNone), own.col(k).setConstant(kNone);
+    if (told && !result.values[i].on_bound && half < 0.5 * (axes[i].high - axes[i].low))
+      result.values[i].interval = {std::min(a, b), std::max(a, b)};
+  }
+  result.covariance = slope.asDiagonal() * own * slope.asDiagonal();
+}
+
+bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).starts_with("damping"); }
+
+/// Thesis (2.69) to (2.72).
+Status InTwoStages(const EstimationProblem& problem, const std::vector<Axis>& axes, const IdentifyOptions& options,
+                   Identified& result) {
+  Result<Landmarks> measured = MeasuredLandmarks(problem);
+  if (!measured.ok()) return measured.failure();
+  result.landmarks = *measured;
+  std::vector<Axis> still, damping;
+  for (const Axis& axis : axes) (IsDamping(axis.key) ? damping : still).push_back(axis);
+  Plan plan = problem.plan();
+  const auto stage = [&](const std::vector<Axis>& own, const Objective& objective, double begin) -> Status {
+    if (own.empty()) return {};
+    const Result<Optimum> best =
+        Minimise(plan, objective, own,
+                 {options.starts, TriesOf(options), [&](double done) { options.progress(begin + 0.5 * done); }});
+    if (!best.ok()) return best.failure();
+    Tell(*best, own, result);
+    Take(*best, own, result);
+    plan = With(std::move(plan), own, best->x);
+    return {};
+  };
+  if (Status failed = stage(still, *FrequencyObjective(problem, *measured), 0.0)) return failed;
+  return stage(damping, *GainObjective(problem, *std::move(measured)), 0.5);
+}
+
+/// Of the methods with one stage.
+Result<std::unique_ptr<Objective>> MisfitOf(const EstimationProblem& problem, IdentifyMethod method) {
+  if (method == IdentifyMethod::kFreeRun) return FreeRunObjective(problem);
+  if (method == IdentifyMethod::kSpectrum) return SpectrumObjective(problem);
+  const Result<score::Response> response = MeasuredResponse(problem);
+  if (!response.ok()) return response.failure();
+  return ResponseObjective(problem, *response);
+}
+
+Result<double> NrmseOf(const Objective& free_run, const Plan& plan) {
+  const Result<Eigen::VectorXd> error = free_run.Of(plan);
+  if (!error.ok()) return error.failure();
+  return std::sqrt(error->squaredNorm() / static_cast<double>(error->size()));
+}
+
+}  // namespace
+
+Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                            const IdentifyOptions& options) {
+  const EstimationProblem problem(plan, data, registry);
+  const std::unique_ptr<Objective> free_run = FreeRunObjective(problem);
+  std::vector<Axis> axes;
+  for (const FreeKey& free : options.keys) axes.emplace_back(free, plan.root.FindPath(free.key)->number());
+  const Result<double> before = NrmseOf(*free_run, problem.plan());
+  if (!before.ok()) return before.failure();
+  Identified result;
+  result.starts = result.converged = options.starts;
+  result.nrmse_before = *before;
+  if (options.method == IdentifyMethod::kTwoStage) {
+    if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
+  } else {
+    const Result<std::unique_ptr<Objective>> objective = MisfitOf(problem, options.method);
+    if (!objective.ok()) return objective.failure();
+    const Result<Optimum> best =
+        Minimise(problem.plan(), **objective, axes, {options.starts, TriesOf(options), options.progress});
+    if (!best.ok()) return best.failure();
+    Take(*best, axes, result);
+    AddIntervals(**objective, *best, axes, Tell(*best, axes, result), result);
+  }
+  Plan found = problem.plan();
+  for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);
+  const Result<double> after = NrmseOf(*free_run, found);
+  if (!after.ok()) return after.failure();
+  result.nrmse_after = *after;
+  return result;
+}
+
+nlohmann::json ToJson(const Identified& identified) {
+  nlohmann::json out = {{"parameters", nlohmann::json::object()},
+                        {"covariance", nlohmann::json::array()},
+                        {"singular_values", identified.singular},
+                        {"not_told_apart", identified.alike},
+                        {"starts", identified.starts},
+                        {"converged", identified.converged},
+                        {"nrmse_before", identified.nrmse_before},
+                        {"nrmse_after", identified.nrmse_after}};
+  if (!identified.landmarks.resonances_hz.empty())
+    out["landmarks"] = {{"resonances_hz", identified.landmarks.resonances_hz},
+                        {"gains", identified.landmarks.gains},
+                        {"zeros_hz", identified.landmarks.zeros_hz}};
+  for (const IdentifiedValue& one : identified.values) {
+    out["parameters"][one.key] = {
+        {"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}, {"on_bound", one.on_bound}};
+    if (one.interval) out["parameters"][one.key]["ci95"] = {one.interval->first, one.interval->second};
+  }
+  for (Eigen::Index i = 0; i < identified.covariance.rows(); ++i) {
+    out["covariance"].push_back(nlohmann::json::array());
+    for (Eigen::Index k = 0; k < identified.covariance.cols(); ++k)
+      out["covariance"].back().push_back(identified.covariance(i, k));
+  }
+  return out;
+}
+
+std::string ToTable(const Identified& identified) {
+  std::string text = fmt::format("{:<44}{:>14}{:>14}   95 % interval\n", "key", "nominal", "value");
+  for (const IdentifiedValue& one : identified.values) {
+    const std::string interval =
+        one.interval ? fmt::format("{:.6g} ... {:.6g}", one.interval->first, one.interval->second) : "none";
+    text += fmt::format("{:<44}{:>14.6g}{:>14.6g}   {}\n", one.key, one.nominal, one.value,
+                        one.on_bound ? "on its bound" : interval);
+  }
+  const auto& [resonances, gains, zeros] = identified.landmarks;
+  if (!resonances.empty())
+    text += fmt::format("resonances at {:.1f} Hz; {}\n", fmt::join(resonances, ", "),
+                        zeros.empty() ? "no zeros" : fmt::format("zeros at {:.1f} Hz", fmt::join(zeros, ", ")));
+  for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
+  text += fmt::format("NRMSE {:.4g} -> {:.4g}; {} of {} starts reached the best fit\n", identified.nrmse_before,
+                      identified.nrmse_after, identified.converged, identified.starts);
+  return text;
+}
+
+namespace {
+
+/// What a file that includes another writes of a path, and how much of the path leads there: an array on the way is
+/// written as a whole, it can be replaced only so. Null where the path leads nowhere.
+std::pair<const Value*, std::size_t> WrittenAs(const Value& root, const std::string& path) {
+  const Value* value = &root;
+  std::size_t begin = 0;
+  while (begin < path.size() && value != nullptr && value->is_table()) {
+    const std::size_t dot = std::min(path.find('.', begin), path.size());
+    value = value->Find(path.substr(begin, dot - begin));
+    begin = dot + 1;
+  }
+  return {value, std::min(begin == 0 ? 0 : begin - 1, path.size())};
+}
+
+bool Same(const Value& a, const Value& b) { return ToToml(Value{{"v", a}}) == ToToml(Value{{"v", b}}); }
+
+/// Whether the effects of a plan have changed something that is written under one of the paths.
+bool ActsOnOneOf(const std::vector<std::string>& paths, const Plan& applied, const Plan& written) {
+  if (written.root.Find("effect") == nullptr) return false;
+  return std::any_of(paths.begin(), paths.end(), [&](const std::string& path) {
+    const Value *after = WrittenAs(applied.root, path).first, *before = WrittenAs(written.root, path).first;
+    if (after == nullptr || before == nullptr) return after != before;
+    return !Same(*after, *before);
+  });
+}
+
+}  // namespace
+
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
+                       const std::vector<std::string>& overrides) {
+  Plan found = plan;
+  std::vector<std::string> changed;
+  for (const std::string& change : overrides) changed.push_back(change.substr(0, change.find('=')));
+  for (const IdentifiedValue& one : identified.values) {
+    Value* value = found.root.FindPath(one.key);
+    const std::size_t dot = one.key.rfind('.');  // a default stands in a table that is there
+    if (value == nullptr) value = &(*found.root.FindPath(one.key.substr(0, dot)))[one.key.substr(dot + 1)];
+    *value = Value(one.value);
+    changed.push_back(one.key);
+  }
+  Value tree;
+  tree["include"] = Value::Array{include};
+  // Limits, oracles and golden traces are those of the other numbers.
+  Value::Array without;
+  if (plan.root.Find("check") != nullptr) without.emplace_back("check");
+  if (ActsOnOneOf(changed, plan, written)) {
+    without.emplace_back("effect");
+    for (const Value::Entry& section : found.root.table()) {
+      const Value *before = written.root.Find(section.key), *after = plan.root.Find(section.key);
+      if (section.key == "check" || (before != nullptr && Same(*before, *after))) continue;
+      if (before != nullptr) without.emplace_back(section.key);
+      changed.push_back(section.key);
+    }
+  }
+  if (!without.empty()) tree["without"] = std::move(without);
+  for (const std::string& path : changed) {
+    const auto [from, length] = WrittenAs(found.root, path);
+    if (from == nullptr) continue;
+    Value* to = &tree;
+    for (std::size_t begin = 0; begin < length;) {
+      const std::size_t dot = std::min(path.find('.', begin), length);
+      to = &(*to)[path.substr(begin, dot - begin)];
+      begin = dot + 1;
+    }
+    *to = *from;
+  }
+  return std::string(kIdentified) + ToToml(tree);
+}
+
+}  // namespace dynoproof::identification

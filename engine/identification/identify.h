@@ -1,0 +1,63 @@
+// Fits numbers of a scenario to records: values, intervals, and which of them the data cannot tell apart.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identification/multi_start.h"
+#include "identification/response_objective.h"
+
+namespace dynoproof::identification {
+
+enum class IdentifyMethod {
+  kFreeRun,   // the error of the free run, sample by sample
+  kSpectrum,  // spectra of the outputs in bands, of any scenario
+  kResponse,  // the frequency response of a drive line in one stage: no runs, so many starts
+  kTwoStage,  // thesis (2.69) to (2.72): what is no damping by the resonances and zeros, then dampings by the gains
+};
+
+struct IdentifyOptions {
+  std::vector<FreeKey> keys;
+  IdentifyMethod method = IdentifyMethod::kFreeRun;
+  int starts = 4;
+  std::function<void(double)> progress = [](double) {};
+};
+
+struct IdentifiedValue {
+  std::string key;
+  double nominal = 0.0, value = 0.0;
+  std::optional<std::pair<double, double>>
+      interval;  // 95 %; none on a bound, not told apart, as wide as the bounds, and by two stages
+  bool on_bound = false;
+};
+struct Identified {
+  std::vector<IdentifiedValue> values;
+  Eigen::MatrixXd covariance;  // of the values, corrected for the colour of the residual (sandwich); empty: none, NaN:
+                               // not told apart
+  std::vector<double> singular;                 // of the Jacobian in the search's own numbers, largest first; by stage
+  std::vector<std::vector<std::string>> alike;  // keys that only a combination of is seen
+  int starts = 0, converged = 0;  // starts that reached the best cost within 0.1 %; of two stages the fewer
+  Landmarks landmarks;            // that two stages saw
+  double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
+};
+
+/// Fails as Minimise does, and by response or two stages as MeasuredResponse and LandmarksOf do.
+Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                            const IdentifyOptions& options);
+
+nlohmann::json ToJson(const Identified& identified);
+std::string ToTable(const Identified& identified);
+/// How such a file begins.
+inline constexpr std::string_view kIdentified = "# With numbers that were identified.\n";
+/// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in it.
+/// `written` is the included scenario as it stands there, `plan` the same with its effects applied. Where one of them
+/// has changed a number that is written here, it would act on that once more: the file then has all sections that
+/// effects have changed as they are, and no effect.
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
+                       const std::vector<std::string>& overrides);
+
+}  // namespace dynoproof::identification

@@ -1,0 +1,55 @@
+#include "identification/nuisance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace dynoproof::identification {
+
+std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry) {
+  const PlantTraits& plant = registry.PlantOf(plan);
+  if (!plant.nuisances) return {};
+  std::map<std::string, std::pair<const Effect*, Place>> scaled;  // by the path of the number
+  for (const Effect* effect : registry.Effects()) {
+    for (const Place& place : effect->Places(plan)) scaled.try_emplace(effect->ScaledParameter(place), effect, place);
+  }
+  std::vector<Nuisance> nuisances;
+  for (const NuisanceParameter& one : plant.nuisances(plan)) {
+    const Value* value = plan.root.FindPath(one.path);
+    if (one.relative && (value == nullptr || !value->is_number() || value->number() == 0.0)) continue;
+    nuisances.push_back({one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_with_structure});
+    const auto found = one.relative ? scaled.find(one.path) : scaled.end();
+    if (found != scaled.end()) std::tie(nuisances.back().effect, nuisances.back().at) = found->second;
+  }
+  return nuisances;
+}
+
+double DeviateOf(const Nuisance& nuisance, double change) {
+  return std::log1p(std::max(change, -0.999)) / nuisance.spread;
+}
+
+double ChangeOf(const Nuisance& nuisance, double z) { return std::expm1(std::clamp(nuisance.spread * z, -7.0, 7.0)); }
+
+NuisanceValue ValueOf(const Nuisance& nuisance, double z, const Plan& plan) {
+  const Value* found = plan.root.FindPath(nuisance.path);
+  const double nominal = found != nullptr && found->is_number() ? found->number() : 0.0;
+  if (nuisance.relative) return {nominal, nominal * (1.0 + ChangeOf(nuisance, z))};
+  const double value = nominal + nuisance.spread * z;
+  return {nominal, nuisance.only_wide ? std::max(0.0, value) : value};  // dampings are never negative
+}
+
+void ApplyNuisances(const std::vector<Nuisance>& nuisances, const std::vector<double>& z, Plan& plan) {
+  for (std::size_t i = 0; i < nuisances.size(); ++i) {
+    if (z[i] == 0.0) continue;
+    const std::size_t dot = nuisances[i].path.rfind('.');
+    Value* parent = plan.root.FindPath(nuisances[i].path.substr(0, dot));
+    if (parent == nullptr || !parent->is_table()) continue;
+    const std::string key = nuisances[i].path.substr(dot + 1);
+    if (nuisances[i].relative && parent->Find(key) == nullptr) continue;
+    (*parent)[key] = Value(ValueOf(nuisances[i], z[i], plan).value);
+  }
+}
+
+}  // namespace dynoproof::identification

@@ -1,0 +1,46 @@
+// Nominal values that a diagnosis may not take for exact, as the plant declares them: what a data sheet says of its
+// parts, and the state the record starts from. Each is a normal deviate of the plan with a stated spread, fitted along
+// with every hypothesis, so that a value a little off is neither an alarm nor credited to an effect.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/registry.h"
+
+namespace dynoproof::identification {
+
+/// One doubtful number of a plan: value = nominal exp(spread z), or nominal + spread z, with z standard normal. The
+/// logarithm keeps masses positive and makes half as unlikely as twice, however wide the prior.
+struct Nuisance {
+  std::string path;  // "plant.inertia.I5"
+  bool relative = true;
+  double spread = 0.0;             // of the logarithm, or in its own unit
+  bool start = false;              // belongs to the record, not to the model
+  const Effect* effect = nullptr;  // the one that changes the same number, and where; null: none
+  Place at = {};
+  bool only_wide = false;  // free only where a hypothesis changes the structure
+};
+
+/// Spreads from the nominal value within which a number is no effect: beyond that by chance once in 2000.
+inline constexpr double kWithinPrior = 3.5;
+
+/// Every doubtful number of the plan: what its plant declares.
+std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry);
+
+/// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
+/// passed over.
+void ApplyNuisances(const std::vector<Nuisance>& nuisances, const std::vector<double>& z, Plan& plan);
+
+/// The deviate that changes a relative nuisance parameter's number by so much: nominal (1 + change).
+double DeviateOf(const Nuisance& nuisance, double change);
+/// And back: the change that belongs to a deviate.
+double ChangeOf(const Nuisance& nuisance, double z);
+
+/// The value at z = 0 and at z.
+struct NuisanceValue {
+  double nominal, value;
+};
+NuisanceValue ValueOf(const Nuisance& nuisance, double z, const Plan& plan);
+
+}  // namespace dynoproof::identification
