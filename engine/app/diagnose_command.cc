@@ -22,7 +22,7 @@ struct DiagnoseArguments {
   Common common;
   std::string scenario, out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
-  bool strict = false, resume = false;
+  bool strict = false, resume = false, explain = false;
 };
 
 int Diagnose(const DiagnoseArguments& arguments) {
@@ -83,6 +83,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   }
   result->notes.insert(result->notes.end(), shortened.begin(), shortened.end());
   Print(arguments.common, diagnosis::ToTable(*result));
+  if (arguments.explain) Print(arguments.common, diagnosis::ToText(result->journal));
   for (const std::string& note : result->notes) Note(note + "\n");
   const bool open =
       result->verdict == diagnosis::Verdict::kAmbiguous || result->verdict == diagnosis::Verdict::kUnexplained;
@@ -95,7 +96,9 @@ int Diagnose(const DiagnoseArguments& arguments) {
                                                                pictures.ok() ? *pictures : std::vector<Picture>()));
     if (!pictures.ok()) written = kBroken;
   }
-  KeepJson(diagnosis::ToJson(*result));
+  nlohmann::json json = diagnosis::ToJson(*result);
+  if (arguments.explain) json["journal"] = diagnosis::ToJson(result->journal);
+  KeepJson(std::move(json));
   return reports::WorseExit(exit, written);
 }
 
@@ -118,12 +121,14 @@ void AddDiagnose(CLI::App& program, int& exit) {
   command->add_option("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
   command->add_option("--html", arguments->html, "write a page that shows all of it");
   command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
+  command->add_flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
   AddExamples(
       *command,
       "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
       "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
+      "  dynoproof diagnose my_line.toml --data record.csv --explain\n"
       "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -\n"
       "Interrupted (Ctrl-C) it ends with 4; --resume goes on.\n");
   command->callback([arguments, &exit] { exit = Diagnose(*arguments); });

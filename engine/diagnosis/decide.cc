@@ -4,6 +4,8 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
+#include "diagnosis/policy.h"
+
 namespace dynoproof::diagnosis {
 
 std::vector<double> CrossValidate(const EstimationProblem& problem, const Estimator& estimator, const Estimate& fit) {
@@ -26,14 +28,14 @@ std::vector<double> CrossValidate(const EstimationProblem& problem, const Estima
   for (Eigen::Index k = 0; k < p; ++k) jacobian.col(k) = fit.jacobian.col(columns[static_cast<std::size_t>(k)]);
   Eigen::MatrixXd information = jacobian.transpose() * jacobian;
   for (Eigen::Index k = 0; k < p; ++k) information(k, k) += prior[static_cast<std::size_t>(k)];
-  std::vector<double> blocks(kBlocks, 0.0);
-  for (int b = 0; b < kBlocks; ++b) {
+  std::vector<double> blocks(policy::kBlocks, 0.0);
+  for (int b = 0; b < policy::kBlocks; ++b) {
     Eigen::MatrixXd inside = Eigen::MatrixXd::Zero(p, p);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(p);
     const auto each = [&](const auto& visit) {
       for (const Channel& channel : problem.channels()) {
-        const Eigen::Index begin = channel.begin + channel.count * b / kBlocks;
-        visit(begin, channel.begin + channel.count * (b + 1) / kBlocks - begin);
+        const Eigen::Index begin = channel.begin + channel.count * b / policy::kBlocks;
+        visit(begin, channel.begin + channel.count * (b + 1) / policy::kBlocks - begin);
       }
     };
     each([&](Eigen::Index begin, Eigen::Index count) {
@@ -59,10 +61,8 @@ std::vector<double> CrossValidate(const EstimationProblem& problem, const Estima
 }
 
 double Threshold(double rows, std::size_t candidates) {
-  // Odds of 1000 to 1 after a fair share for each candidate, beside the information criterion's own log n; and a
-  // thousandth of all squares: what is smaller, an imperfect whitening or a rounded column can bring about.
-  const double odds = 2.0 * std::log(1000.0 * static_cast<double>(std::max<std::size_t>(1, candidates)));
-  return std::max(odds + std::log(std::max(2.0, rows)), 1e-3 * rows);
+  const double odds = 2.0 * std::log(policy::kOdds * static_cast<double>(std::max<std::size_t>(1, candidates)));
+  return std::max(odds + std::log(std::max(2.0, rows)), policy::kLeastShare * rows);
 }
 
 Standing Compare(const EstimationProblem& problem, const Estimate& nominal, const std::vector<double>& nominal_blocks,
@@ -85,11 +85,11 @@ Standing Compare(const EstimationProblem& problem, const Estimate& nominal, cons
   const double threshold = Threshold(rows, candidates);
   // A nominal model that needs its nuisance parameters far outside their spread predicts the validation parts as well
   // as an effect that says so openly; then it is enough that the effect is not worse there.
-  const bool valid = LargestDeviation(problem, nominal) > kWithinPrior
+  const bool valid = LargestDeviation(problem, nominal) > policy::kWithinPrior
                          ? standing.validation_gain > -0.5 * threshold
-                         : standing.validation_gain > 0.0 && standing.blocks_better >= 3;
+                         : standing.validation_gain > 0.0 && standing.blocks_better >= policy::kBlocksBetter;
   standing.significant =
-      standing.chi2_gain > threshold && standing.criterion_gain > 0.5 * threshold && standing.p_value < 1e-4 && valid;
+      standing.chi2_gain > threshold && standing.criterion_gain > policy::kCriterionShare * threshold && valid;
   return standing;
 }
 
@@ -111,12 +111,9 @@ bool LeavesTheSignal(const EstimationProblem& problem, const Estimate& null, con
 }
 
 std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double threshold) {
-  // exp(10 / 2): odds of 150 to 1 tell two candidates apart. Less than one more parameter costs (log n = 11), so that a
-  // law and its generalisation are never both in the set.
-  constexpr double kAlike = 10.0;
   std::vector<std::size_t> set;
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (fits[i].criterion - fits[0].criterion > kAlike) continue;
+    if (fits[i].criterion - fits[0].criterion > policy::kAlike) continue;
     bool needless = false;
     for (const std::size_t j : set)
       needless = needless || (fits[i].parameters() > fits[j].parameters() && fits[j].chi2 - fits[i].chi2 < threshold &&

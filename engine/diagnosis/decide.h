@@ -14,11 +14,10 @@ struct Standing {
   double chi2_gain = 0.0, criterion_gain = 0.0;
   double p_value = 1.0;          // nested F test, times the number of candidates
   double validation_gain = 0.0;  // of the whitened squares on blocks that took no part in the fit
-  int blocks_better = 0;         // of kBlocks
+  int blocks_better = 0;         // of policy::kBlocks
   double validation_chi2 = 0.0;
   bool significant = false;
 };
-inline constexpr int kBlocks = 5;
 
 /// Whitened squares on each fifth of the time, from a fit to the other four (one Newton step from the fit to all).
 /// Derive() must have been called on the fit.

@@ -93,20 +93,6 @@ std::string FoundParameter::Text(double number) const {
   return fmt::format("{:.{}g}", number, static_cast<int>(std::clamp(told + 2.0, 4.0, 15.0)));
 }
 
-std::string ToString(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kEffectFound:
-      return "effect_found";
-    case Verdict::kNoEffect:
-      return "no_effect";
-    case Verdict::kAmbiguous:
-      return "ambiguous";
-    case Verdict::kUnexplained:
-      break;
-  }
-  return "unexplained";
-}
-
 std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
   std::size_t samples = 0;
   for (const MappedRecord& record : records) {

@@ -11,14 +11,13 @@
 
 #include "base/status.h"
 #include "diagnosis/gain.h"
+#include "diagnosis/journal.h"
 #include "diagnosis/localisation.h"
 #include "diagnosis/search.h"
+#include "diagnosis/verdict.h"
 #include "identification/residual_tests.h"
 
 namespace dynoproof::diagnosis {
-
-enum class Verdict { kEffectFound, kNoEffect, kAmbiguous, kUnexplained };
-std::string ToString(Verdict verdict);
 
 struct FoundParameter {
   std::string name, unit;
@@ -61,6 +60,7 @@ struct Diagnosis {
   std::vector<Refitted> refitted;
   std::vector<std::string> notes;
   std::string reason;  // one sentence: why this verdict
+  Journal journal;     // what was compared to decide it
   int simulations = 0;
 };
 

@@ -9,21 +9,20 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/decide.h"
 #include "diagnosis/extend.h"
+#include "diagnosis/policy.h"
 #include "identification/profile_likelihood.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kBeyondDoubt = 4.0;  // spreads: by chance once in 16 000
-
 std::string WhyNot(const Standing& s, const Estimate& fit, const Estimate& best) {
   if (!s.significant)
     return fmt::format("gains too little over the nominal values alone (chi2 {:.0f}, {} of {} validation parts)",
-                       s.chi2_gain, s.blocks_better, kBlocks);
+                       s.chi2_gain, s.blocks_better, policy::kBlocks);
   const double behind = fit.criterion - best.criterion;
   if (behind <= 0.0) return "";
-  if (behind <= 10.0) return fmt::format("as good as the best within {:.1f} (-2 log evidence)", behind);
-  if (fit.chi2 <= best.chi2 + 10.0)
+  if (behind <= policy::kAlike) return fmt::format("as good as the best within {:.1f} (-2 log evidence)", behind);
+  if (fit.chi2 <= best.chi2 + policy::kAlike)
     return fmt::format("no better than the best with more parameters (-2 log evidence {:.0f} behind)", behind);
   return fmt::format("explains less: -2 log evidence {:.0f} behind", behind);
 }
@@ -72,6 +71,7 @@ Status Judgement::Decide(const char* saved, const std::vector<Hypothesis>& suspe
   found_ = *std::move(found);
   result_.considered = std::move(found_.considered);
   result_.simulations = found_.simulations;
+  result_.journal.clear();
   Judge();
   return {};
 }
@@ -96,6 +96,7 @@ void Judgement::Judge() {
   const Estimator estimator(problem_, fits.empty() ? WhitenerOf(problem_, null) : WhitenerOf(problem_, fits.front()));
   estimator.Score(null);
   estimator.Derive(null);
+  JournalScreening();
   const std::vector<double> null_blocks = CrossValidate(problem_, estimator, null);
   const double rows = estimator.whitener().rows();
   const std::vector<std::string> strained = StrainedDoubts(null);
@@ -117,20 +118,21 @@ void Judgement::Judge() {
     for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
       const std::optional<double> z = AsNuisance(problem_.nuisances()[i], fit);
       if (!z) continue;
-      within = within || std::abs(*z) < kWithinPrior;
+      within = within || std::abs(*z) < policy::kWithinPrior;
       const double without = null.hypothesis.z[i];
-      beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > kBeyondDoubt && *z * without > 0.0 &&
+      beyond = beyond || (std::min(std::abs(*z), std::abs(without)) > policy::kBeyondPrior && *z * without > 0.0 &&
                           s.chi2_gain > 0.5 * without * without);
     }
     // So is one that spares the nominal model a value far outside its prior: it stands beside what says
     // that value.
-    beyond = beyond || (farthest > kBeyondDoubt && LargestDeviation(problem_, fit) < kWithinPrior &&
+    beyond = beyond || (farthest > policy::kBeyondPrior && LargestDeviation(problem_, fit) < policy::kWithinPrior &&
                         s.chi2_gain > 0.5 * farthest * farthest);
     if (within) considered.why_not = "changes a nominal value by no more than its prior allows";
     if (beyond) considered.why_not = WhyNot({.significant = true}, fit, fits.front());
     bool nothing = false;
     for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) nothing = nothing || IsNothing(problem_, fit, e);
-    if (nothing) considered.why_not = "its size cannot be told from none";
+    if (nothing) considered.why_not = "not significant: its 95 % interval includes the neutral value";
+    JournalCandidate(s, fit, within, beyond, nothing, considered.why_not.empty() ? "the best" : considered.why_not);
     if ((s.significant || beyond) && !within && !nothing) {
       standing.push_back(fit);
       validation.push_back(considered.validation_nrmse);
@@ -142,43 +144,93 @@ void Judgement::Judge() {
   rest = rest || (!result_.tests.independent_of_inputs().value_or(true) && !fits.empty() &&
                   LeavesTheSignal(problem_, null, fits.front()));
   result_.at_noise_floor = !rest;
-  if (fits.empty()) {
-    result_.verdict = Verdict::kUnexplained;
-    if (rest) {
-      result_.reason = fmt::format("no candidate accounts for the residual: {}", TextOf(structure));
-    } else if (!strained.empty()) {
-      result_.reason = fmt::format("the data agree with the model only where {} lies far outside its prior",
-                                   fmt::join(strained, ", "));
-    } else if (farthest >= kBeyondDoubt) {
-      result_.reason =
-          fmt::format("the data agree with the model only where a nominal value lies {:.1f} spreads off", farthest);
-    } else {
-      result_.verdict = Verdict::kNoEffect;
-      result_.reason = "the data agree with the model within the prior of its nominal values";
-    }
-    return;
+  evidence_ = {};
+  alike_.clear();
+  also_.clear();
+  evidence_.structure = rest;
+  evidence_.found = TextOf(structure);
+  evidence_.pairs = found_.partial;
+  evidence_.strained = strained;
+  evidence_.null_deviation = farthest;
+  if (!fits.empty()) {
+    alike_ = AmbiguitySet(fits, found_.threshold);
+    AddSimplerLaws(problem_, fits, validation, alike_);
+    // What accounts for the data, leaving aside what the nuisance parameters cost, as well as the best effect does.
+    if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold)
+      also_ = strained;
+    evidence_.best = fits.front().Name();
+    evidence_.deviation = LargestDeviation(problem_, fits.front());
+    evidence_.alike = alike_.size() + also_.size();
   }
-  alike_ = AmbiguitySet(fits, found_.threshold);
-  AddSimplerLaws(problem_, fits, validation, alike_);
-  // What accounts for the data, leaving aside what the nuisance parameters cost, as well as the best effect does.
-  if (null.chi2 - PriorChi2(null) - (fits.front().chi2 - PriorChi2(fits.front())) < found_.threshold) also_ = strained;
-  if (rest) {
-    const std::string left = TextOf(structure);
-    result_.verdict = Verdict::kUnexplained;
-    result_.reason =
-        fmt::format("the best candidate, {}, leaves structure in the residual{}{}{}{}", fits.front().Name(),
-                    left.empty() ? "" : ": ", left, found_.partial.empty() ? "" : "; ", found_.partial);
-  } else if (const double strain = LargestDeviation(problem_, fits.front()); strain > kWithinPrior) {
-    result_.verdict = Verdict::kUnexplained;
-    result_.reason = fmt::format("the best candidate, {}, needs another nominal value {:.1f} spreads off",
-                                 fits.front().Name(), strain);
-  } else if (const std::size_t count = alike_.size() + also_.size(); count > 3) {
-    result_.verdict = Verdict::kUnexplained;
-    result_.reason = fmt::format("{} candidates account for the data alike", count);
-  } else {
-    result_.verdict = count > 1 ? Verdict::kAmbiguous : Verdict::kEffectFound;
-    result_.reason = count > 1 ? "these data cannot tell the candidates apart"
-                               : "the residual is at the noise floor with it, and with nothing else";
+  Rule();
+  JournalResidual();
+}
+
+void Judgement::Rule() {
+  Ruling ruling = VerdictOf(evidence_);
+  result_.verdict = ruling.verdict;
+  result_.reason = std::move(ruling.reason);
+  rule_ = std::move(ruling.rule);
+}
+
+void Judgement::JournalScreening() {
+  JournalEntry entry{
+      "screening", {}, "the signature of each effect at each place must explain 0.3 of the least chi2 gain", {}, ""};
+  for (const Screened& one : found_.screened) {
+    if (one.promising) entry.compared.push_back(found_.candidates[one.candidate].ToString());
+  }
+  entry.numbers = {{"candidates", static_cast<double>(found_.candidates.size())},
+                   {"promising", static_cast<double>(entry.compared.size())},
+                   {"least_chi2_gain", found_.threshold}};
+  entry.outcome = entry.compared.empty() ? "no signature explains as much" : "those named were fitted, best first";
+  result_.journal.push_back(std::move(entry));
+}
+
+void Judgement::JournalCandidate(const Standing& s, const Estimate& fit, bool within, bool beyond, bool nothing,
+                                 const std::string& outcome) {
+  result_.journal.push_back(
+      {"selection",
+       {fit.Name(), "nominal model"},
+       "chi2 gain above the least one, criterion gain above half of it, better on three of five validation parts; no "
+       "change of a nominal value within its prior, none whose interval includes the neutral value",
+       {{"chi2_gain", s.chi2_gain},
+        {"least_chi2_gain", found_.threshold},
+        {"criterion_gain", s.criterion_gain},
+        {"validation_gain", s.validation_gain},
+        {"parts_better", s.blocks_better},
+        {"f_test_p_value", s.p_value},
+        {"within_prior", within ? 1.0 : 0.0},
+        {"null_model_moves_it_too", beyond ? 1.0 : 0.0},
+        {"includes_neutral", nothing ? 1.0 : 0.0}},
+       outcome});
+}
+
+void Judgement::JournalResidual() {
+  for (const Structure& one : found_.structure) {
+    if (!one.tested) continue;
+    result_.journal.push_back({"residual tests",
+                               {one.signal},
+                               "independent of inputs and predicted outputs, no line, no larger than noise",
+                               {{"regression_f_p_value", one.p_value},
+                                {"regression_share", one.explained},
+                                {"line_fisher_g_p_value", one.line_p_value},
+                                {"line_share", one.line_share},
+                                {"line_hz", one.line_hz},
+                                {"over_high_frequency_level", one.over_floor},
+                                {"over_one_step_error", one.rings},
+                                {"over_spread", one.size}},
+                               one.found() ? one.Text() : "noise"});
+  }
+  if (found_.fits.size() < 2) return;
+  for (std::size_t i = 1; i < found_.fits.size(); ++i) {
+    const bool alike = std::find(alike_.begin(), alike_.end(), i) != alike_.end();
+    result_.journal.push_back(
+        {"ambiguity",
+         {found_.fits[i].Name(), found_.fits.front().Name()},
+         "alike within 10 of -2 log evidence, or a simpler law at the same place that predicts the "
+         "validation parts no worse",
+         {{"behind", found_.fits[i].criterion - found_.fits.front().criterion}},
+         alike ? "cannot be told apart" : "told apart"});
   }
 }
 
@@ -186,7 +238,7 @@ std::vector<std::string> Judgement::StrainedDoubts(const Estimate& null) const {
   std::vector<std::string> strained;
   for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
     const Nuisance& nuisance = problem_.nuisances()[i];
-    if (!nuisance.start && nuisance.effect == nullptr && std::abs(null.hypothesis.z[i]) > kWithinPrior)
+    if (!nuisance.start && nuisance.effect == nullptr && std::abs(null.hypothesis.z[i]) > policy::kWithinPrior)
       strained.push_back("nominal_value@" + nuisance.path);
   }
   return strained;
@@ -195,7 +247,7 @@ std::vector<std::string> Judgement::StrainedDoubts(const Estimate& null) const {
 Status Judgement::Conclude() {
   const Estimate& null = found_.null;
   const std::vector<Estimate>& fits = found_.fits;
-  const bool known = result_.verdict != Verdict::kNoEffect && !fits.empty();
+  const bool known = !fits.empty();
   const Estimate& best = known ? fits.front() : null;
   NoiseFloor(best);
   const Result<Eigen::VectorXd> nominal = problem_.Predict(problem_.Nominal());
@@ -207,15 +259,16 @@ Status Judgement::Conclude() {
     result_.refitted.push_back({problem_.nuisances()[i].path, value.nominal, value.value, best.hypothesis.z[i],
                                 problem_.nuisances()[i].start});
   }
-  if (known) ReportEffects(fits);
   if (Status failed = MeasureGain(best)) return failed;
+  if (known) ReportEffects(fits);
   if (result_.verdict == Verdict::kNoEffect) {
     for (const Screened& one : found_.screened) {
       const Candidate& candidate = found_.candidates[one.candidate];
       if (candidate.strengths.empty() || !std::isfinite(one.smallest)) continue;
       double smallest = one.smallest;
       for (const Nuisance& nuisance : problem_.nuisances()) {  // a change of a number within its prior is no effect
-        if (Changes(candidate.At({}), nuisance)) smallest = std::max(smallest, ChangeOf(nuisance, kWithinPrior));
+        if (Changes(candidate.At({}), nuisance))
+          smallest = std::max(smallest, ChangeOf(nuisance, policy::kWithinPrior));
       }
       result_.would_have_seen.push_back({candidate.effect->info().name, candidate.place.ToString(),
                                          candidate.effect->info().parameters[candidate.strengths[0]].unit, smallest});
@@ -316,10 +369,17 @@ Status Judgement::MeasureGain(const Estimate& best) {
     sum_before += gain.before * gain.before;
     sum_after += gain.after * gain.after;
   }
-  if ((result_.verdict == Verdict::kEffectFound || result_.verdict == Verdict::kAmbiguous) && sum_after >= sum_before) {
-    result_.verdict = Verdict::kUnexplained;
-    result_.reason = "what gains on the training data does not gain on the hold-out";
-  }
+  evidence_.holdout_gains = sum_after < sum_before;
+  Rule();
+  result_.journal.push_back(
+      {"verdict",
+       {evidence_.best.empty() ? "nominal model" : evidence_.best},
+       rule_,
+       {{"largest_deviation", evidence_.best.empty() ? evidence_.null_deviation : evidence_.deviation},
+        {"alike", static_cast<double>(evidence_.alike)},
+        {"holdout_nrmse_before", std::sqrt(sum_before)},
+        {"holdout_nrmse_after", std::sqrt(sum_after)}},
+       ToString(result_.verdict) + ": " + result_.reason});
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/decide.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/search.h"
 
@@ -35,6 +36,12 @@ class Judgement {
 
  private:
   void Judge();
+  /// Sets verdict and reason by the decision table.
+  void Rule();
+  void JournalScreening();
+  void JournalCandidate(const Standing& s, const Estimate& fit, bool within, bool beyond, bool nothing,
+                        const std::string& outcome);
+  void JournalResidual();
   /// Nominal values that no effect stands for, which the nominal model needs far outside its prior about
   /// them.
   std::vector<std::string> StrainedDoubts(const Estimate& null) const;
@@ -53,6 +60,8 @@ class Judgement {
   const DiagnoseOptions& options_;
   Found found_;
   Diagnosis result_;
+  VerdictEvidence evidence_;
+  std::string rule_;  // the row of the decision table that applied
   std::vector<std::size_t> alike_;
   std::vector<std::string> also_;  // nominal values that account for the data alike
   std::vector<double> floor_;

@@ -10,6 +10,7 @@
 #include "diagnosis/decide.h"
 #include "diagnosis/follow_friction.h"
 #include "diagnosis/gain.h"
+#include "diagnosis/policy.h"
 #include "diagnosis/selection.h"
 #include "identification/random_restart.h"
 
@@ -277,7 +278,7 @@ class Searching {
         const Nuisance& nuisance = problem_->nuisances()[i];
         if (!Changes(second, nuisance)) continue;
         at.z[i] = DeviateOf(nuisance, second.parameters.front());
-        none = none || std::abs(at.z[i]) <= kWithinPrior;
+        none = none || std::abs(at.z[i]) <= policy::kWithinPrior;
       }
       if (!none) continue;
       Estimate fit = EstimateAt(*problem_, std::move(at));

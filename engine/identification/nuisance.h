@@ -22,9 +22,6 @@ struct Nuisance {
   bool only_wide = false;  // free only where a hypothesis changes the structure
 };
 
-/// Spreads from the nominal value within which a number is no effect: beyond that by chance once in 2000.
-inline constexpr double kWithinPrior = 3.5;
-
 /// Every doubtful number of the plan: what its plant declares.
 std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry);
 

@@ -79,6 +79,35 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
 }
 
 /// From the diagnosis to the golden trace, with a nominal model that --set has made.
+TEST_F(Measured, ExplainTellsHowTheVerdictCameAbout) {
+  Record("plant.inertia.I3=0.65");
+  EXPECT_FALSE(Diagnosed().contains("journal")) << "only where it is asked for";
+  const std::vector<std::string> explain = {"diagnose", "line.toml", "--data",   "record.csv",
+                                            "--out",    "found",     "--explain"};
+  const nlohmann::json result = bench_.Json(explain);
+  ASSERT_TRUE(result.contains("journal"));
+  const nlohmann::json& journal = result["journal"];
+  std::map<std::string, int> stages;
+  for (const nlohmann::json& entry : journal) {
+    ++stages[entry["stage"]];
+    for (const char* key : {"compared", "rule", "numbers", "outcome"}) EXPECT_TRUE(entry.contains(key)) << entry.dump();
+  }
+  EXPECT_EQ(stages["screening"], 1);
+  EXPECT_EQ(stages["residual tests"], 2) << "one a signal";
+  EXPECT_GE(stages["selection"], 1);
+  ASSERT_EQ(stages["verdict"], 1);
+  EXPECT_EQ(journal.back()["stage"], "verdict");
+  EXPECT_EQ(journal.back()["compared"][0], "inertia_change@inertia:I3");
+  EXPECT_THAT(journal.back()["outcome"].get<std::string>(), HasSubstr("effect_found"));
+  for (const nlohmann::json& entry : journal) {
+    if (entry["stage"] != "selection" || entry["compared"][0] != "inertia_change@inertia:I3") continue;
+    EXPECT_GT(entry["numbers"]["chi2_gain"], entry["numbers"]["least_chi2_gain"]) << entry.dump();
+  }
+  const Outcome text = Call(explain);
+  EXPECT_THAT(text.out, HasSubstr("how the verdict came about"));
+  EXPECT_THAT(text.out, HasSubstr("rule: one candidate, noise alone in its residual"));
+}
+
 TEST_F(Project, TakesWhatADiagnosisHasExtended) {
   bench_.Write("scenarios/line.toml", Bench::kLine);
   Begin();

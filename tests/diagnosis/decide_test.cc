@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/policy.h"
 #include "tests/identification/line_record.h"
 #include "tests/identification/lumped_line.h"
 
@@ -85,12 +86,12 @@ class WhiteRecords : public LumpedLine {
 using CrossValidation = WhiteRecords;
 
 // Left-out part b is predicted by what the others say: its error grows by J_b' (J'J - J_b'J_b)^-1 J_b summed over the
-// parts, which for p columns without structure is p kBlocks / (kBlocks - 1). A true effect gains its own squares
+// parts, which for p columns without structure is p kBlocks / (policy::kBlocks - 1). A true effect gains its own squares
 // besides.
 TEST_F(CrossValidation, GainsWhatTheoryExpects) {
   const Estimator estimator(problem_, Unit());
   constexpr int kDraws = 400, kColumns = 2;
-  constexpr double kCost = kColumns * kBlocks / (kBlocks - 1.0);
+  constexpr double kCost = kColumns * policy::kBlocks / (policy::kBlocks - 1.0);
   for (const double strength : {0.0, 6.0}) {
     double sum = 0.0, squares = 0.0;
     for (int draw = 0; draw < kDraws; ++draw) {
@@ -100,7 +101,7 @@ TEST_F(CrossValidation, GainsWhatTheoryExpects) {
       const std::vector<double> without = CrossValidate(problem_, estimator, Nominal(left)),
                                 with = CrossValidate(problem_, estimator, FitOf(left, columns));
       double gain = 0.0;
-      for (int b = 0; b < kBlocks; ++b)
+      for (int b = 0; b < policy::kBlocks; ++b)
         gain += without[static_cast<std::size_t>(b)] - with[static_cast<std::size_t>(b)];
       sum += gain, squares += gain * gain;
     }
@@ -120,7 +121,7 @@ TEST_F(Decision, PValuesAreUniformWhereNothingIsHidden) {
     Eigen::MatrixXd columns(problem_.measured().size(), 2);
     columns << White().normalized(), White().normalized();
     const Eigen::VectorXd noise = White(), hidden = noise + 6.0 * columns.col(0);
-    const std::vector<double> same(kBlocks, 1.0);
+    const std::vector<double> same(policy::kBlocks, 1.0);
     const auto p_value = [&](const Eigen::VectorXd& left) {
       return Compare(problem_, Nominal(left), same, FitOf(left, columns), same, static_cast<double>(left.size()), 1)
           .p_value;
