@@ -93,6 +93,31 @@ std::string Considerations(const Diagnosis& d) {
   return html;
 }
 
+/// Candidates of a screening are many: the first few tell what it found.
+std::string Compared(const std::vector<std::string>& compared) {
+  constexpr std::size_t kShown = 6;
+  std::string text;
+  for (std::size_t i = 0; i < compared.size() && i < kShown; ++i) text += (i > 0 ? ", " : "") + Escape(compared[i]);
+  return compared.size() > kShown ? text + fmt::format(" and {} more", compared.size() - kShown) : text;
+}
+
+std::string Course(const diagnosis::Journal& journal) {
+  std::string rows;
+  for (const diagnosis::JournalEntry& entry : journal) {
+    std::string numbers;
+    for (const auto& [name, number] : entry.numbers)
+      numbers += fmt::format("{}{} {:.4g}", numbers.empty() ? "" : ", ", Escape(name), number);
+    rows += Row(std::vector<Cell>{{Escape(entry.stage), "key"},
+                                  {Compared(entry.compared), "wide"},
+                                  {Escape(entry.rule), "wide"},
+                                  {numbers, "wide"},
+                                  {Escape(entry.outcome), "wide"}});
+  }
+  if (rows.empty()) return "";
+  return "<h2>How the verdict came about</h2>\n" +
+         Table(std::vector<Cell>{{"stage"}, {"compared"}, {"rule"}, {"numbers"}, {"outcome"}}, rows);
+}
+
 }  // namespace
 
 std::string DiagnosisPage(const std::string& scenario, const std::vector<std::string>& records, const Diagnosis& d,
@@ -124,7 +149,7 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
       d.where.condition.empty() ? "" : "; " + Escape(d.where.condition), d.at_noise_floor ? "is at" : "is above",
       Number(d.noise_floor));
   if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
-  body += Considerations(d);
+  body += Considerations(d) + Course(d.journal);
   return Page("dynoproof: diagnosis", "", body);
 }
 

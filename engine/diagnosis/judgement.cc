@@ -182,7 +182,7 @@ void Judgement::JournalScreening() {
   entry.numbers = {{"candidates", static_cast<double>(found_.candidates.size())},
                    {"promising", static_cast<double>(entry.compared.size())},
                    {"least_chi2_gain", found_.threshold}};
-  entry.outcome = entry.compared.empty() ? "no signature explains as much" : "those named were fitted, best first";
+  entry.outcome = entry.compared.empty() ? "no signature explains as much" : "the first of them are fitted, best first";
   result_.journal.push_back(std::move(entry));
 }
 

@@ -74,7 +74,7 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
               HasSubstr("\n[extension]\nof = \"" + std::filesystem::canonical(bench_ / "line.toml").string() + "\"\n"));
   const std::string page = ReadBytes(bench_ / "found/page.html");
   for (const char* text : {"inertia_change", "measured - simulated", "mean residual over", "extended - simulated",
-                           "What was considered", "extended"})
+                           "What was considered", "extended", "How the verdict came about"})
     EXPECT_THAT(page, HasSubstr(text));
 }
 
