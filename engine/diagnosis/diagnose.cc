@@ -10,6 +10,7 @@
 
 #include "diagnosis/follow_play.h"
 #include "diagnosis/judgement.h"
+#include "diagnosis/resolution.h"
 #include "linear/decompositions.h"
 
 namespace dynoproof::diagnosis {
@@ -21,7 +22,8 @@ constexpr double kOpening = 0.3;  // of the time
 /// A diagnosis and what it is made of.
 struct Task {
   const Plan& plan;
-  const std::vector<MappedRecord>& data;
+  const std::vector<MappedRecord>& data;   // at the resolution that counts
+  const std::vector<MappedRecord>& given;  // the same as given
   const std::vector<MappedRecord>& holdout;
   const Registry& registry;
   const DiagnoseOptions& options;
@@ -33,7 +35,7 @@ struct Task {
     return EstimationProblem(of, data, registry, training() * until, known);
   }
   Judgement Of(const EstimationProblem& problem, double until) const {
-    return Judgement(problem, training() * until, until, data, holdout, options);
+    return Judgement(problem, training() * until, until, data, given, holdout, options);
   }
 };
 
@@ -70,7 +72,7 @@ std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
   said.progress = [&](const std::string& what, double done) {
     task.options.progress("the beginning: " + what, kOpening * done);
   };
-  const Task beginning{task.plan, task.data, task.holdout, task.registry, said, task.known};
+  const Task beginning{task.plan, task.data, task.given, task.holdout, task.registry, said, task.known};
   std::vector<Hypothesis> causes;
   double from = 0.0;
   for (double share = FirstShare(problem.records()); share < 1.0; share *= kLonger) {
@@ -105,10 +107,11 @@ std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
                      100.0 * share, samples, most);
 }
 
-Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
+Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& given,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
-  const Task task{plan, data, holdout, registry, options};
+  const std::vector<MappedRecord> data = AtResolution(given);
+  const Task task{plan, data, given, holdout, registry, options};
   if (PredictionWindow(plan)) {
     if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
   }

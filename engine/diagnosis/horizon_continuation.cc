@@ -63,24 +63,24 @@ void Thin(std::vector<Follower>& followers, bool relatives) {
 /// machine's nominal values, of which a short beginning tells little: what moves slowly is not chaotic. All nominal
 /// values move up together, which leaves undamped frequencies where they are: it refuses rather too often.
 bool Forgets(const EstimationProblem& problem, const Hypothesis& hypothesis) {
-  Hypothesis doubted = hypothesis;
+  Hypothesis shifted = hypothesis;
   const std::vector<double> freedom = FreedomOf(problem, hypothesis.effects);
   for (std::size_t i = 0; i < freedom.size(); ++i) {
-    if (!problem.nuisances()[i].start) doubted.z[i] += freedom[i];
+    if (!problem.nuisances()[i].start) shifted.z[i] += freedom[i];
   }
   const Result<Eigen::VectorXd> coarse = problem.Predict(hypothesis), fine = problem.PredictFiner(hypothesis),
-                                beside = problem.Predict(doubted);
+                                beside = problem.Predict(shifted);
   if (!coarse.ok() || !fine.ok() || !beside.ok()) return false;
   constexpr double kComparable = 0.3, kSlow = 0.1;
   const Eigen::VectorXd left = problem.measured() - *coarse, moved = *fine - *coarse, nuisance = *beside - *coarse;
   bool chaotic = false;
   const bool told = std::all_of(problem.channels().begin(), problem.channels().end(), [&](const Channel& c) {
     const auto rows = left.segment(c.begin, c.count);
-    const double missed = RmsOf(rows), by_doubt = RmsOf(nuisance.segment(c.begin, c.count));
+    const double missed = RmsOf(rows), by_nuisances = RmsOf(nuisance.segment(c.begin, c.count));
     const bool by_step = RmsOf(moved.segment(c.begin, c.count)) > kComparable * missed;
     chaotic = chaotic || by_step;
     return by_step || missed < kAtFloor * HighFrequencyFloor(rows) ||
-           (missed < by_doubt && by_doubt < kSlow * c.spread);
+           (missed < by_nuisances && by_nuisances < kSlow * c.spread);
   });
   return told && chaotic;
 }

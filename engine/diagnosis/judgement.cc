@@ -55,9 +55,9 @@ void AddSimplerLaws(const EstimationProblem& problem, const std::vector<Estimate
 }  // namespace
 
 Judgement::Judgement(const EstimationProblem& problem, double training, double until,
-                     const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
-                     const DiagnoseOptions& options)
-    : problem_(problem), training_(training), data_(data), holdout_(holdout), options_(options) {
+                     const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& given,
+                     const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
+    : problem_(problem), training_(training), data_(data), given_(given), holdout_(holdout), options_(options) {
   result_.own_holdout = !holdout_.empty();
   result_.counted = until;
   if (!result_.own_holdout) result_.notes.push_back("the last 30 % of the data are the hold-out");
@@ -99,7 +99,7 @@ void Judgement::Judge() {
   JournalScreening();
   const std::vector<double> null_blocks = CrossValidate(problem_, estimator, null);
   const double rows = estimator.whitener().rows();
-  const std::vector<std::string> strained = StrainedDoubts(null);
+  const std::vector<std::string> strained = Strained(null);
   const double farthest = LargestDeviation(problem_, null);
   std::vector<Estimate> standing;
   std::vector<double> validation;
@@ -234,7 +234,7 @@ void Judgement::JournalResidual() {
   }
 }
 
-std::vector<std::string> Judgement::StrainedDoubts(const Estimate& null) const {
+std::vector<std::string> Judgement::Strained(const Estimate& null) const {
   std::vector<std::string> strained;
   for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
     const Nuisance& nuisance = problem_.nuisances()[i];
@@ -328,16 +328,21 @@ void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
 void Judgement::NoiseFloor(const Estimate& best) {
   const Eigen::VectorXd residual = problem_.measured() - best.predicted;
   double sum = 0.0;
+  bool smooth = false;
   for (const Channel& c : problem_.channels()) {
     const auto rows = residual.segment(c.begin, c.count);
     const double rms = RmsOf(rows);
     const double white = HighFrequencyFloor(rows);
+    smooth = smooth || rms < 1.1 * policy::kResolution * c.spread;
     const double floor = result_.at_noise_floor ? rms : std::min(white, rms);
     floor_.push_back(std::max(floor, 1e-9 * std::max(c.spread, c.nominal)));
     result_.floor_by_signal[c.name] = floor_.back();
     result_.residual_by_signal[c.name] = rms;
     sum += floor_.back() * floor_.back() / std::max(c.spread * c.spread, 1e-300);
   }
+  if (smooth)
+    Note(fmt::format("the record has no noise, as that of a simulation; it counts as measured to {:g} of each output",
+                     policy::kResolution));
   result_.noise_floor = std::sqrt(sum / static_cast<double>(problem_.channels().size()));
 }
 
@@ -348,10 +353,11 @@ Status Judgement::MeasureGain(const Estimate& best) {
   for (std::size_t i = 0; i < start.z.size(); ++i) {
     if (problem_.nuisances()[i].start) start.z[i] = best.hypothesis.z[i];
   }
-  const auto train = MeasureGains(problem_, problem_.PlanOf(start), problem_.PlanOf(best.hypothesis));
+  const EstimationProblem trained(problem_.plan(), given_, problem_.registry(), training_, problem_.decompositions());
+  const auto train = MeasureGains(trained, problem_.PlanOf(start), problem_.PlanOf(best.hypothesis));
   if (!train.ok()) return train.failure();
   result_.train = *train;
-  const EstimationProblem full(problem_.plan(), result_.own_holdout ? holdout_ : data_, problem_.registry(),
+  const EstimationProblem full(problem_.plan(), result_.own_holdout ? holdout_ : given_, problem_.registry(),
                                result_.counted, problem_.decompositions());
   Hypothesis chosen = best.hypothesis;
   if (result_.own_holdout) {

@@ -16,9 +16,11 @@ inline constexpr double kTrainingShare = 0.7;  // of records without a hold-out 
 
 class Judgement {
  public:
-  /// `study`: made of `data` cut at `training`, out of a share `until` of the records that is looked at.
+  /// `problem`: made of `data` cut at `training`, out of a share `until` of the records that is looked at. `given`: the
+  /// same records as they were given, by which the gain is measured.
   Judgement(const EstimationProblem& problem, double training, double until, const std::vector<MappedRecord>& data,
-            const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options);
+            const std::vector<MappedRecord>& given, const std::vector<MappedRecord>& holdout,
+            const DiagnoseOptions& options);
 
   /// Who accounts for the data; `suspects` are candidates from elsewhere. `saved`: file of the fits in the output
   /// folder. Fails where the nominal run breaks.
@@ -42,9 +44,8 @@ class Judgement {
   void JournalCandidate(const Standing& s, const Estimate& fit, bool within, bool beyond, bool nothing,
                         const std::string& outcome);
   void JournalResidual();
-  /// Nominal values that no effect stands for, which the nominal model needs far outside its prior about
-  /// them.
-  std::vector<std::string> StrainedDoubts(const Estimate& null) const;
+  /// Nominal values that no effect stands for, which the nominal model needs far outside their priors.
+  std::vector<std::string> Strained(const Estimate& null) const;
   Status Conclude();
   void ReportEffects(const std::vector<Estimate>& fits);
   /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
@@ -56,6 +57,7 @@ class Judgement {
   const EstimationProblem& problem_;  // all that is for training
   const double training_;
   const std::vector<MappedRecord>& data_;
+  const std::vector<MappedRecord>& given_;
   const std::vector<MappedRecord>& holdout_;
   const DiagnoseOptions& options_;
   Found found_;

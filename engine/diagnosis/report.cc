@@ -121,7 +121,8 @@ std::string ToTable(const Diagnosis& d) {
   for (const Refitted& one : d.refitted) {
     if (std::abs(one.deviation) > 1.0 && !one.start) moved.push_back(one);
   }
-  if (!moved.empty()) text += "\n  nominal values that were fitted along and moved by more than their doubt:\n";
+  if (!moved.empty())
+    text += "\n  nominal values that were fitted along and moved by more than their prior standard deviation:\n";
   for (const Refitted& one : moved)
     text += fmt::format("    {} = {:.6g} (nominal {:.6g})\n", one.path, one.value, one.nominal);
   if (!d.considered.empty()) text += "\n  considered\n";

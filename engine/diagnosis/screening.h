@@ -1,5 +1,5 @@
 // A first look at every candidate: how much of the residual its signature (the change of the prediction at small
-// strength) explains, for all signals jointly, beside the doubtful nominal values. A few simulations a candidate.
+// strength) explains, for all signals jointly, beside the nuisance parameters. A few simulations a candidate.
 #pragma once
 
 #include <functional>

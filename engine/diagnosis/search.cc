@@ -141,9 +141,12 @@ class Searching {
     return std::move(found_);
   }
 
-  /// One substep a sample: what a nonlinear law costs falls by four, and a search does not need the last digits.
+  /// One substep a sample: what a nonlinear law costs falls by four, and a search does not need the last digits. Nor does
+  /// it need modes that are faster than the record's samples can show.
   static Plan Rough(Plan plan) {
     SetSubsteps(plan, 1);
+    Value& run = plan.root["run"];
+    run["realtime"]["condense_above_Hz"] = Value(0.5 / run.NumberOr("period_s", RunSettings().period_s));
     return plan;
   }
   /// Searching takes as long as the records are; what a line's behaviour can tell, its first seconds do.

@@ -14,6 +14,8 @@ constexpr int kLaps = 5;              // of the race to the end
 constexpr double kProgress = 0.1;     // of the gap to the best: less in a lap, and a rival is out
 constexpr double kStrained = 2.5;     // spreads: of a dozen nominal values one lies that far off by chance in six cases
 constexpr std::size_t kRegrown = 4;   // causes that begin anew on parts that grow
+constexpr double kNear = 100.0;       // of chi2 behind the leader: ten times what makes two hypotheses alike
+constexpr double kCloses = 0.5;       // of its gap to the leader a challenger has to leave by two steps at most
 constexpr double kBeaten = 2.0;  // times the best one's chi2 beside the same nuisance parameters: no rival any more
 
 }  // namespace
@@ -45,6 +47,12 @@ Selection::Selection(const EstimationProblem& problem, SavedFits& saved, Progres
     : problem_(problem), saved_(saved), step_(std::move(progress)) {
   if (PredictionWindow(problem.plan())) return;  // no mode is ever far out of phase
   for (const double share : {1.0 / 27.0, 1.0 / 9.0, 1.0 / 3.0}) rungs_.push_back(problem.Part(share));
+}
+
+const NuisanceModel& Selection::AtNominal() const {
+  if (at_nominal_) return *at_nominal_;
+  Result<NuisanceModel> model = LineariseNuisances(problem_, problem_.Nominal(), FreedomOf(problem_, {}));
+  return at_nominal_.emplace(model.ok() ? *std::move(model) : NuisanceModel{});
 }
 
 /// A nuisance parameter far outside its prior is promoted to the effect that changes the same number;
@@ -141,11 +149,12 @@ void Selection::Race(std::vector<Estimate>& fits, const Estimate& null) {
     Estimate nominal = null;
     estimator.Score(nominal);
     const double best = fits.front().chi2, reach = kContender * std::max(0.0, nominal.chi2 - best);
+    bool accounted = Accounts(fits.front());
     Each(fits, "fitting to the end: ", 0.5 + 0.02 * lap, [&](std::size_t k) {
       const double gap = fits[k].chi2 - best;
       if (out.contains(fits[k].Name()) || (lap > 0 && k > 0 && gap > reach)) return false;
       const double before = fits[k].chi2;
-      if (lap == 0 && k > 0 && Accounts(fits.front())) return false;
+      if (lap == 0 && k > 0 && accounted) return false;
       fits[k] = FromItsOwn(std::move(fits[k]), estimator);
       if (fits[k].ok()) saved_.Keep(fits[k].hypothesis.effects);
       // The nuisance parameters may have run off before the effect had its size: once more from the nominal values.
@@ -156,8 +165,9 @@ void Selection::Race(std::vector<Estimate>& fits, const Estimate& null) {
         if (!Accounts(fits[k])) KeepBetter(fits[k], FromItsOwn(EstimateAt(problem_, anew.hypothesis), estimator));
       }
       // Where the leader is at the noise with strained values only, somebody else may be there without.
-      if (lap == 0 && k > 0 && AtFloor(fits.front()) && !Accounts(fits.front()))
+      if (lap == 0 && k > 0 && AtFloor(fits.front()) && !Accounts(fits[k]))
         KeepBetter(fits[k], OverGrowingHorizons(fits[k], estimator));
+      accounted = accounted || Accounts(fits[k]);
       if (fits[k].settled || before - fits[k].chi2 < kProgress * std::max(gap, 1.0)) out.insert(fits[k].Name());
       return true;
     });
@@ -172,7 +182,8 @@ void Selection::Race(std::vector<Estimate>& fits, const Estimate& null) {
 Estimate Selection::FromItsOwn(Estimate fit, const Estimator& estimator) const {
   if (!fit.ok()) return fit;
   const Estimator own(problem_, WhitenerOf(problem_, fit, 0));
-  fit = own.Refine(std::move(fit), 3);
+  if (fit.nuisances.jacobian.size() == 0) TakeSlopes(problem_, AtNominal(), problem_, fit);
+  fit = own.Refine(std::move(fit), 3, {.slopes = Slopes::kKnown});
   if (fit.ok()) estimator.Score(fit);
   return fit;
 }
@@ -223,7 +234,6 @@ void Selection::Regrow(const std::vector<EffectInstance>& entrants, std::vector<
 
 /// Alternative models, refitted from the nuisance parameters of the best one.
 void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, std::vector<Estimate>& fits) {
-  std::set<std::string> asked;
   for (int round = 0; round < 2; ++round) {
     const Estimator estimator(problem_, WhitenerOf(problem_, fits.front()));
     for (Estimate& fit : fits) estimator.Score(fit);
@@ -232,6 +242,7 @@ void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, s
     const Result<NuisanceModel> nuisances = LineariseNuisances(problem_, about, FreedomOf(problem_, about.effects));
     if (!nuisances.ok()) return;
     for (const EffectInstance& alternative : AlternativesTo(entrants, fits)) {
+      if (!MayAnswer(alternative, best.hypothesis)) continue;
       std::vector<EffectInstance> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
       effects.push_back(alternative);
       NuisanceModel beside = *nuisances;
@@ -240,13 +251,30 @@ void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, s
       }
       Estimate fit = estimator.Optimise(effects, beside, 4);
       simulations_ += fit.simulations;
-      if (!fit.ok() || fit.chi2 > kBeaten * best.chi2 || !asked.insert(best.Name() + "/" + fit.Name()).second) continue;
+      if (!fit.ok() || fit.chi2 > kBeaten * best.chi2) continue;
       step_("beside " + best.Name() + ": " + fit.Name(), 0.62);
       Answer(estimator, std::move(fit), fits);
     }
     BestFirst(fits);
     if (fits.front().Name() == best.Name() || best.criterion - fits.front().criterion < 1.0) return;
   }
+}
+
+/// Whether an alternative has not been asked yet beside this leader, as it stands now.
+bool Selection::MayAnswer(const EffectInstance& alternative, const Hypothesis& leader) {
+  constexpr double kMoved = 0.01;  // of a number of the leader: then its nuisance parameters have moved, too
+  std::string question = alternative.ToString() + " beside";
+  std::vector<double> numbers;
+  for (const EffectInstance& instance : leader.effects) {
+    question += " " + instance.ToString();
+    numbers.insert(numbers.end(), instance.parameters.begin(), instance.parameters.end());
+  }
+  std::vector<double>& known = asked_[question];
+  const bool same = !known.empty() && std::equal(known.begin(), known.end(), numbers.begin(), [](double a, double b) {
+    return std::abs(a - b) <= kMoved * std::abs(a);
+  });
+  known = std::move(numbers);
+  return !same;
 }
 
 /// Those that were fitted with the best one (the first), and those that are recalled; what says openly that a nominal
@@ -281,7 +309,12 @@ void Selection::Answer(const Estimator& estimator, Estimate fit, std::vector<Est
     if (Changes(fit.hypothesis.effects.back(), problem_.nuisances()[i])) fit.hypothesis.z[i] = 0.0;
   }
   fit.simulations = 0;
-  fit = estimator.Refine(std::move(fit), 6);
+  const double best = fits.front().chi2;
+  for (int round = 0; round < 3 && fit.ok() && !fit.settled; ++round) {
+    const double gap = fit.chi2 - best;
+    fit = estimator.Refine(std::move(fit), 2, {.slopes = Slopes::kKnown});
+    if (fit.chi2 - best > std::max(kNear, kCloses * gap)) break;  // it gets there no more
+  }
   simulations_ += fit.simulations;
   if (fit.ok()) TakeUp(fits, std::move(fit));
 }
@@ -308,7 +341,9 @@ Estimate Selection::FromShortHorizons(const Estimate& cold, const Estimator& las
     fit = EstimateAt(rung, std::move(fit.hypothesis));
     if (!fit.ok()) return cold;
     const bool modes = &rung != &rungs_.back() && !MovesModes(cold);
-    fit = Estimator(rung, WhitenerOf(rung, fit, 0)).Refine(std::move(fit), 4, modes ? Moves::kDoubts : Moves::kAll);
+    TakeSlopes(problem_, AtNominal(), rung, fit);
+    fit = Estimator(rung, WhitenerOf(rung, fit, 0))
+              .Refine(std::move(fit), 4, {.moves = modes ? Moves::kNuisances : Moves::kAll, .slopes = Slopes::kKnown});
     simulations_ += fit.simulations;
     if (!fit.ok()) return cold;
   }
@@ -327,8 +362,10 @@ Estimate Selection::OverGrowingHorizons(const Estimate& cold, const Estimator& l
     const EstimationProblem part = problem_.Part(share);
     Estimate fit = EstimateAt(part, std::move(at));
     if (!fit.ok()) return cold;
+    TakeSlopes(problem_, AtNominal(), part, fit);
     // Twice: what is missed at first would count as noise.
-    for (int k = 0; k < 2 && fit.ok(); ++k) fit = Estimator(part, WhitenerOf(part, fit, 0)).Refine(std::move(fit), 8);
+    for (int k = 0; k < 2 && fit.ok(); ++k)
+      fit = Estimator(part, WhitenerOf(part, fit, 0)).Refine(std::move(fit), 8, {.slopes = Slopes::kKnown});
     simulations_ += fit.simulations;
     if (!fit.ok()) return cold;
     at = std::move(fit.hypothesis);
@@ -346,8 +383,9 @@ std::optional<Hypothesis> Selection::FromAnyStart(const std::vector<EffectInstan
     Hypothesis at = problem_.Nominal();
     at.effects = {start};
     Estimate fit = EstimateAt(shortest, std::move(at));
+    if (fit.ok()) TakeSlopes(problem_, AtNominal(), shortest, fit);
     for (int k = 0; k < 2 && fit.ok(); ++k)
-      fit = Estimator(shortest, WhitenerOf(shortest, fit, 0)).Refine(std::move(fit), 4);
+      fit = Estimator(shortest, WhitenerOf(shortest, fit, 0)).Refine(std::move(fit), 4, {.slopes = Slopes::kKnown});
     simulations_ += fit.simulations;
     if (fit.ok()) fits.push_back(std::move(fit));
   }

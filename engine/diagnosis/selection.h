@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -51,6 +52,8 @@ class Selection {
 
  private:
   std::optional<EffectInstance> AsEffect(const Nuisance& nuisance, double z) const;
+  /// The nuisance parameters about the nominal model, on all rows; without columns where a run breaks.
+  const NuisanceModel& AtNominal() const;
   void Race(std::vector<Estimate>& fits, const Estimate& null);
   Estimate FromItsOwn(Estimate fit, const Estimator& estimator) const;
   bool MovesModes(const Estimate& fit) const;
@@ -60,6 +63,7 @@ class Selection {
   void ConditionalRefits(const std::vector<EffectInstance>& entrants, std::vector<Estimate>& fits);
   std::vector<EffectInstance> AlternativesTo(const std::vector<EffectInstance>& entrants,
                                              const std::vector<Estimate>& fits) const;
+  bool MayAnswer(const EffectInstance& alternative, const Hypothesis& leader);
   void Answer(const Estimator& estimator, Estimate fit, std::vector<Estimate>& fits);
   Hypothesis Beside(const Estimate& fit) const;
   /// Fits again those that `fit_again` takes up, best first, and sorts.
@@ -68,7 +72,9 @@ class Selection {
 
   const EstimationProblem& problem_;
   std::vector<EstimationProblem> rungs_;  // shorter and shorter parts, the shortest first
+  mutable std::optional<NuisanceModel> at_nominal_;
   std::set<std::string> begun_anew_;
+  std::map<std::string, std::vector<double>> asked_;  // beside which leader, and its numbers then
   std::vector<EffectInstance> beaten_;
   SavedFits& saved_;
   Progress step_;

@@ -28,7 +28,7 @@ struct EffectInstance {
   bool SameCause(const EffectInstance& other) const { return effect == other.effect && place == other.place; }
 };
 
-/// A hypothesis: doubtful nominal values (in standard deviations), and effects on top of them.
+/// A hypothesis: nuisance parameters (in prior standard deviations), and effects on top of them.
 struct Hypothesis {
   std::vector<double> z;
   std::vector<EffectInstance> effects;

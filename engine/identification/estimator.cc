@@ -221,6 +221,22 @@ Estimate EstimateAt(const EstimationProblem& problem, Hypothesis hypothesis) {
   return fit;
 }
 
+void TakeSlopes(const EstimationProblem& from, const NuisanceModel& known, const EstimationProblem& to, Estimate& fit) {
+  std::vector<Eigen::Index> columns;
+  for (const int i : fit.nuisances.free) {
+    const auto at = std::find(known.free.begin(), known.free.end(), i);
+    if (at == known.free.end()) return;
+    columns.push_back(at - known.free.begin());
+  }
+  fit.nuisances.jacobian.resize(to.measured().size(), std::ssize(columns));
+  for (std::size_t c = 0; c < to.channels().size(); ++c) {
+    const Channel &whole = from.channels()[c], &part = to.channels()[c];
+    for (Eigen::Index k = 0; k < std::ssize(columns); ++k)
+      fit.nuisances.jacobian.col(k).segment(part.begin, part.count) =
+          known.jacobian.col(columns[static_cast<std::size_t>(k)]).segment(whole.begin, part.count);
+  }
+}
+
 Whitener WhitenerOf(const EstimationProblem& problem, const Estimate& fit, int order) {
   return {problem.channels(), problem.measured() - fit.predicted, order};
 }

@@ -1,5 +1,5 @@
 // Fits a hypothesis to the records by its free-run error. Effect parameters are found by Levenberg-Marquardt (Ceres)
-// within their bounds; the doubtful nominal values follow linearly at each step (variable projection), so that an
+// within their bounds; the nuisance parameters follow linearly at each step (variable projection), so that an
 // evaluation costs one simulation however many nuisance parameters there are.
 #pragma once
 
@@ -87,13 +87,16 @@ struct Estimate {
 bool Changes(const EffectInstance& instance, const Nuisance& nuisance);
 /// A hypothesis as it stands, simulated; its nuisance parameters are not linearised and nothing is weighed yet.
 Estimate EstimateAt(const EstimationProblem& problem, Hypothesis hypothesis);
+/// Gives an estimate on `to` the derivatives that another point of `from` has: `to` is the same records or their first
+/// part. Without a column for one of its free nuisance parameters it gets none.
+void TakeSlopes(const EstimationProblem& from, const NuisanceModel& known, const EstimationProblem& to, Estimate& fit);
 /// The noise's colour, as what a fit leaves has it; `order` 0: white.
 Whitener WhitenerOf(const EstimationProblem& problem, const Estimate& fit, int order = Whitener::kOrder);
 /// What the nuisance parameters of a fit cost by their prior.
 double PriorChi2(const Estimate& fit);
 /// An effect of the fit that changes the nuisance parameter's own number, in standard deviations of its prior.
 std::optional<double> AsNuisance(const Nuisance& nuisance, const Estimate& fit);
-/// How far the most doubtful nominal value lies off, in spreads that the hypothesis allows it; starts do not count.
+/// Largest deviation of a nominal value, in the prior standard deviations that the hypothesis allows; starts do not count.
 double LargestDeviation(const EstimationProblem& problem, const Estimate& fit);
 
 inline constexpr double kTwoSided95 = 1.959964;  // standard deviations
@@ -107,7 +110,16 @@ Eigen::VectorXd SolverBias(const EstimationProblem& problem, const Estimate& fit
 bool IsNothing(const EstimationProblem& problem, const Estimate& fit, std::size_t effect);
 
 /// What a search may move.
-enum class Moves { kAll, kDoubts };
+enum class Moves { kAll, kNuisances };
+/// Where its first derivatives come from: differences at the start, or for the nuisance parameters what the estimate
+/// holds of a point near by (TakeSlopes). Known ones cost no simulation; where they foretell too little, differences
+/// replace them.
+enum class Slopes { kDifferences, kKnown };
+struct RefineOptions {
+  Moves moves = Moves::kAll;
+  std::optional<Eigen::Index> held = std::nullopt;  // the parameter of all effects, in order, that stays as it is
+  Slopes slopes = Slopes::kDifferences;
+};
 
 class Estimator {
  public:
@@ -123,10 +135,8 @@ class Estimator {
   Estimate Optimise(const std::vector<EffectInstance>& effects, const NuisanceModel& nuisances,
                     int iterations = 12) const;
   /// Effects and nuisance parameters together, until nothing changes (or `rounds` steps): each is simulated, and
-  /// shortened where it went too far, because a resonance that moves by its own width is not linear any more. `held`:
-  /// the parameter of all effects, in order, that stays as it is.
-  Estimate Refine(Estimate fit, int rounds, Moves moves = Moves::kAll,
-                  std::optional<Eigen::Index> held = std::nullopt) const;
+  /// shortened where it went too far, because a resonance that moves by its own width is not linear any more.
+  Estimate Refine(Estimate fit, int rounds, const RefineOptions& options = {}) const;
   /// The same fit under this whitener, without another simulation.
   void Score(Estimate& fit) const;
   /// Jacobian and covariance of a fit; the covariance is that of white residuals (what the whitener makes of them).

@@ -10,7 +10,7 @@
 
 namespace dynoproof::identification {
 
-/// One doubtful number of a plan: value = nominal exp(spread z), or nominal + spread z, with z standard normal. The
+/// A number of a plan with a prior: value = nominal exp(spread z), or nominal + spread z, with z standard normal. The
 /// logarithm keeps masses positive and makes half as unlikely as twice, however wide the prior.
 struct Nuisance {
   std::string path;  // "plant.inertia.I5"
@@ -22,7 +22,7 @@ struct Nuisance {
   bool only_wide = false;  // free only where a hypothesis changes the structure
 };
 
-/// Every doubtful number of the plan: what its plant declares.
+/// All nuisance parameters of the plan: what its plant declares.
 std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry);
 
 /// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are

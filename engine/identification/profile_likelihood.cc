@@ -83,7 +83,7 @@ class Reaching {
       const double moved = std::abs(number.In(beside) - value);
       const bool bound = number.In(beside) == info.lower || number.In(beside) == info.upper;
       Estimate held = EstimateAt(problem_, std::move(beside));
-      if (held.ok()) held = estimator_.Refine(std::move(held), kRounds, Moves::kAll, number.row);
+      if (held.ok()) held = estimator_.Refine(std::move(held), kRounds, {.held = number.row});
       simulations_ += held.simulations;
       const double rise = held.ok() ? held.chi2 - best_.chi2 : HUGE_VAL;
       if (rise < kAgrees) {

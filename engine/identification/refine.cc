@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "identification/coordinates.h"
@@ -18,8 +19,13 @@ namespace {
 class JointCost : public ceres::CostFunction {
  public:
   JointCost(const EstimationProblem& problem, const Whitener& whitener, const Coordinates& coordinates,
-            std::optional<Eigen::Index> held, Estimate& at)
-      : problem_(problem), whitener_(whitener), coordinates_(coordinates), held_(held), at_(at) {
+            std::optional<Eigen::Index> held, Eigen::MatrixXd known, Estimate& at)
+      : problem_(problem),
+        whitener_(whitener),
+        coordinates_(coordinates),
+        held_(held),
+        known_(std::move(known)),
+        at_(at) {
     set_num_residuals(static_cast<int>(problem.measured().size()) + Nuisances());
     mutable_parameter_block_sizes()->push_back(static_cast<int>(coordinates.size()) + Nuisances());
   }
@@ -71,6 +77,8 @@ class JointCost : public ceres::CostFunction {
 
   /// Whether the last slopes are differences.
   bool exact() const { return corrected_ == 0; }
+  /// Whether they come from another point and have not been replaced by differences since.
+  bool FollowsKnownSlopes() const { return known_in_use_; }
 
  private:
   struct Point {
@@ -147,7 +155,7 @@ class JointCost : public ceres::CostFunction {
     return a.size() == b.size() && (a.array() == b.array()).all();
   }
 
-  /// slopes_ at tried_. As long as the slopes foretell most of each step they are corrected by what they missed
+  /// slopes_ at tried_: at the start those that are known, if any. As long as the slopes foretell most of each step they are corrected by what they missed
   /// (Broyden 1965), which costs nothing; else, and every few steps, taken anew by differences.
   bool Derive() const {
     constexpr double kForetold = 0.2;
@@ -162,17 +170,28 @@ class JointCost : public ceres::CostFunction {
         return true;
       }
     }
+    const Eigen::Index p = static_cast<Eigen::Index>(coordinates_.size());
+    if (base_.x.size() == 0 && known_.cols() == Nuisances() && known_.rows() == problem_.measured().size()) {
+      if (!Differences(tried_.x, p)) return false;
+      for (Eigen::Index k = 0; k < Nuisances(); ++k)
+        slopes_.col(p + k) = known_.col(k) * at_.nuisances.freedom[Num(at_.nuisances.free[Num(k)])];
+      corrected_ = 1;
+      known_in_use_ = true;
+      return true;
+    }
     corrected_ = 0;
-    return Differences(tried_.x);
+    known_in_use_ = false;
+    return Differences(tried_.x, tried_.x.size());
   }
 
-  bool Differences(const Eigen::VectorXd& x) const {
+  /// Of the first `count` unknowns.
+  bool Differences(const Eigen::VectorXd& x, Eigen::Index count) const {
     const Eigen::Index p = static_cast<Eigen::Index>(coordinates_.size());
     const bool wide = NeedsWideDifferences(at_.hypothesis.effects);
     slopes_.resize(problem_.measured().size(), x.size());
     std::atomic<bool> good = true;
     std::atomic<int> simulations = 0;
-    ParallelFor(Num(x.size()), 0, [&](std::size_t k) {
+    ParallelFor(Num(count), 0, [&](std::size_t k) {
       const auto column = static_cast<Eigen::Index>(k);
       if (column == held_) {
         slopes_.col(column).setZero();
@@ -203,37 +222,44 @@ class JointCost : public ceres::CostFunction {
   const Whitener& whitener_;
   const Coordinates& coordinates_;
   const std::optional<Eigen::Index> held_;
+  const Eigen::MatrixXd known_;  // d predicted / d z of the free nuisance parameters, near the start
   Estimate& at_;
   // What is known of the points the search has been at: it asks for residuals first, then there for slopes.
   mutable Point tried_, base_;      // base_: where the slopes are
   mutable Eigen::MatrixXd slopes_;  // of the prediction, by column of x
   mutable Eigen::MatrixXd jacobian_;
-  mutable int corrected_ = 0;  // times since the last differences
+  mutable bool known_in_use_ = false;
+  mutable int corrected_ = 0;  // times since the last differences of all unknowns
 };
 
-/// Ends the search after so many accepted steps; what is tried and rejected costs one simulation.
+/// Ends the search after so many accepted steps, and where slopes that were known lead nowhere.
 class AfterRounds : public ceres::IterationCallback {
  public:
-  explicit AfterRounds(int rounds) : left_(rounds) {}
+  AfterRounds(int rounds, const JointCost& cost) : left_(rounds), cost_(cost) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (summary.iteration > 0 && summary.step_is_successful) --left_;
-    return left_ > 0 ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    misled_ = summary.iteration > 0 && !summary.step_is_successful && cost_.FollowsKnownSlopes();
+    return left_ > 0 && !misled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
+  bool misled() const { return misled_; }
 
  private:
   int left_;
+  bool misled_ = false;
+  const JointCost& cost_;
 };
 
 }  // namespace
 
-Estimate Estimator::Refine(Estimate fit, int rounds, Moves moves, std::optional<Eigen::Index> held) const {
+Estimate Estimator::Refine(Estimate fit, int rounds, const RefineOptions& wanted) const {
   fit.settled = false;
   if (!fit.ok()) return fit;
   fit.nuisances.freedom = FreedomOf(problem_, fit.hypothesis.effects);
   fit.nuisances.free = FreeOf(fit.nuisances.freedom);
-  fit.nuisances.jacobian.resize(0, 0);  // another point's, if any
-  const Coordinates coordinates(moves == Moves::kAll ? fit.hypothesis.effects : std::vector<EffectInstance>{});
-  JointCost cost(problem_, whitener_, coordinates, held, fit);
+  Eigen::MatrixXd known = std::exchange(fit.nuisances.jacobian, {});
+  if (wanted.slopes == Slopes::kDifferences) known.resize(0, 0);
+  const Coordinates coordinates(wanted.moves == Moves::kAll ? fit.hypothesis.effects : std::vector<EffectInstance>{});
+  JointCost cost(problem_, whitener_, coordinates, wanted.held, std::move(known), fit);
   std::vector<double> x = cost.Start();
   ceres::Problem::Options kept;
   kept.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -244,7 +270,7 @@ Estimate Estimator::Refine(Estimate fit, int rounds, Moves moves, std::optional<
     return fit;
   }
   problem.AddResidualBlock(&cost, nullptr, x.data());
-  AfterRounds callback(rounds);
+  AfterRounds callback(rounds, cost);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   // Steps are damped in the unknowns' own units, spreads of the nuisance parameters and shares of the effects: by the
@@ -257,7 +283,9 @@ Estimate Estimator::Refine(Estimate fit, int rounds, Moves moves, std::optional<
   options.callbacks.push_back(&callback);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  do {
+    ceres::Solve(options, &problem, &summary);
+  } while (callback.misled());               // goes on from where it is, with differences
   if (fit.nuisances.jacobian.rows() == 0) {  // not even the start, or a run beside it, stood
     fit.broken = summary.message;
     return fit;

@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 
 #include "linear/block_diagonal.h"
 
@@ -23,12 +24,14 @@ class Decompositions {
   struct Known {
     Eigen::MatrixXd A;
     std::shared_ptr<const BlockDiagonal> form;
+    std::size_t key;  // of A's bytes
 
     double bytes() const { return 8.0 * (static_cast<double>(A.size()) + 3.0 * static_cast<double>(form->T.size())); }
   };
 
   std::mutex guard_;
-  std::list<Known> known_;  // last asked for first
+  std::list<Known> known_;                                                  // last asked for first
+  std::unordered_multimap<std::size_t, std::list<Known>::iterator> place_;  // by key
   double limit_, bytes_ = 0.0;
 };
 

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <utility>
 
+#include "linear/matrix_product.h"
+
 namespace dynoproof::mechanics {
 namespace {
 
@@ -248,40 +250,41 @@ LinearSystem EnergyCoordinates::System(const std::vector<OutputRow>& rows) const
   return system;
 }
 
-void EnergyCoordinates::FromPhysical(const VectorXd& angles, const VectorXd& speeds, VectorXd& x, VectorXd& p) const {
-  assert(angles.size() == network_.size() && speeds.size() == network_.size());
+void EnergyCoordinates::FromPhysical(const MatrixXd& angles, const MatrixXd& speeds, MatrixXd& x, MatrixXd& p) const {
+  assert(angles.rows() == network_.size() && speeds.rows() == network_.size() && angles.cols() == speeds.cols());
   const int elastic = elastic_modes(), rigid = rigid_modes();
   const VectorXd inertias = network_.Inertias();
-  VectorXd mean_angle = VectorXd::Zero(rigid), mean_speed = VectorXd::Zero(rigid);
+  MatrixXd mean_angle = MatrixXd::Zero(rigid, angles.cols()), mean_speed = mean_angle;
   for (int i = 0; i < network_.size(); ++i) {
     const int r = rigid_of_node_[i];
     if (r < 0) continue;
-    mean_angle[r] += inertias[i] * angles[i] / rigid_mass_[r];
-    mean_speed[r] += inertias[i] * speeds[i] / rigid_mass_[r];
+    mean_angle.row(r) += inertias[i] / rigid_mass_[r] * angles.row(i);
+    mean_speed.row(r) += inertias[i] / rigid_mass_[r] * speeds.row(i);
   }
-  VectorXd twist_momentum(network_.size());  // the mean is taken off first: it may be large
+  MatrixXd twists = angles;  // the mean is taken off first: it may be large
   for (int i = 0; i < network_.size(); ++i) {
-    const int r = rigid_of_node_[i];
-    twist_momentum[i] = inertias[i] * (angles[i] - (r < 0 ? 0.0 : mean_angle[r]));
+    if (rigid_of_node_[i] >= 0) twists.row(i) -= mean_angle.row(rigid_of_node_[i]);
   }
-  x.resize(states());
-  x.head(elastic) = frequencies_.cwiseProduct(shapes_.transpose() * twist_momentum);
-  x.segment(elastic, elastic) = shapes_.transpose() * inertias.cwiseProduct(speeds);
-  x.tail(rigid) = mean_speed.cwiseProduct(rigid_mass_.cwiseSqrt());
+  const MatrixXd momentum_of_mode = shapes_.transpose() * inertias.asDiagonal();
+  x.resize(states(), angles.cols());
+  x.topRows(elastic) = frequencies_.asDiagonal() * Multiply(momentum_of_mode, twists);
+  x.middleRows(elastic, elastic) = Multiply(momentum_of_mode, speeds);
+  x.bottomRows(rigid) = rigid_mass_.cwiseSqrt().asDiagonal() * mean_speed;
   p = mean_angle;
-  for (int r = 1; r < rigid; ++r) p[r] -= mean_angle[0];
+  for (int r = 1; r < rigid; ++r) p.row(r) -= mean_angle.row(0);
 }
 
-void EnergyCoordinates::ToPhysical(const VectorXd& x, const VectorXd& p, VectorXd& angles, VectorXd& speeds) const {
-  assert(x.size() == states() && p.size() == integrators());
+void EnergyCoordinates::ToPhysical(const MatrixXd& x, const MatrixXd& p, MatrixXd& angles, MatrixXd& speeds) const {
+  assert(x.rows() == states() && p.rows() == integrators() && x.cols() == p.cols());
   const int elastic = elastic_modes();
-  angles = shapes_ * x.head(elastic).cwiseQuotient(frequencies_);
-  speeds = shapes_ * x.segment(elastic, elastic);
+  angles = Multiply(shapes_ * frequencies_.cwiseInverse().asDiagonal(), x.topRows(elastic));
+  speeds = Multiply(shapes_, x.middleRows(elastic, elastic));
   for (int i = 0; i < network_.size(); ++i) {
     const int r = rigid_of_node_[i];
     if (r < 0) continue;
-    angles[i] += r == 0 ? p[0] : p[0] + p[r];
-    speeds[i] += x[2 * elastic + r] / std::sqrt(rigid_mass_[r]);
+    angles.row(i) += p.row(0);
+    if (r > 0) angles.row(i) += p.row(r);
+    speeds.row(i) += x.row(2 * elastic + r) / std::sqrt(rigid_mass_[r]);
   }
 }
 

@@ -51,11 +51,11 @@ class EnergyCoordinates {
   /// A, B, P of the network and C, E of these rows; D = 0.
   LinearSystem System(const std::vector<OutputRow>& rows) const;
 
-  /// Node angles [rad] and speeds [rad/s] to (x, p) and back.
-  void FromPhysical(const Eigen::VectorXd& angles, const Eigen::VectorXd& speeds, Eigen::VectorXd& x,
-                    Eigen::VectorXd& p) const;
-  void ToPhysical(const Eigen::VectorXd& x, const Eigen::VectorXd& p, Eigen::VectorXd& angles,
-                  Eigen::VectorXd& speeds) const;
+  /// Node angles [rad] and speeds [rad/s] to (x, p) and back, any number of them as columns.
+  void FromPhysical(const Eigen::MatrixXd& angles, const Eigen::MatrixXd& speeds, Eigen::MatrixXd& x,
+                    Eigen::MatrixXd& p) const;
+  void ToPhysical(const Eigen::MatrixXd& x, const Eigen::MatrixXd& p, Eigen::MatrixXd& angles,
+                  Eigen::MatrixXd& speeds) const;
 
  private:
   EnergyCoordinates() = default;

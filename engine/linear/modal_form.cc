@@ -89,6 +89,14 @@ ModalForm ModalForm::Keep(const std::vector<bool>& keep) const {
   return form;
 }
 
+void ModalForm::Expand(const MatrixXd& follows, const std::vector<int>& kept) {
+  dropped_states += static_cast<int>(follows.rows() - follows.cols());
+  T = follows * T;
+  MatrixXd from_all = MatrixXd::Zero(T_inverse.rows(), follows.rows());
+  from_all(Eigen::all, kept) = T_inverse;
+  T_inverse = std::move(from_all);
+}
+
 void ModalForm::SetLayout() {
   layout = {};
   layout.place.assign(L.rows(), 0);

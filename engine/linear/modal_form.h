@@ -54,6 +54,10 @@ struct ModalForm {
   /// Without all blocks whose eigenvalues all exceed `limit` [rad/s], static gain kept likewise.
   ModalForm KeepBelow(double limit) const;
 
+  /// For a system of n states of which these k were kept: T and T_inverse lead to and from all n. `follows` [n x k]: all
+  /// states by those kept.
+  void Expand(const Eigen::MatrixXd& follows, const std::vector<int>& kept);
+
   int inputs() const { return static_cast<int>(B.cols()); }
   int outputs() const { return static_cast<int>(C.rows()); }
   int integrators() const { return static_cast<int>(P.rows()); }

@@ -32,10 +32,11 @@ struct RunSettings {
     void Visit(auto& v);
   } reference;
   struct Realtime {
-    int substeps = 4;            // of a period, where nonlinear laws or parts exist
-    int corrections = 2;         // sweeps of the implicit correction in a substep
-    int part_corrections = 0;    // of these sweeps, those that carry the nonlinear parts anew; 0: all
-    double keep_below_Hz = 0.0;  // 0: all modes; else faster modes are replaced by their static gain
+    int substeps = 4;                // of a period, where nonlinear laws or parts exist
+    int corrections = 2;             // sweeps of the implicit correction in a substep
+    int part_corrections = 0;        // of these sweeps, those that carry the nonlinear parts anew; 0: all
+    double keep_below_Hz = 0.0;      // 0: all modes; else faster modes are replaced by their static gain
+    double condense_above_Hz = 0.0;  // 0: none; else faster modes without damping follow statically
     void Visit(auto& v);
   } realtime;
   void Visit(auto& v);
@@ -111,6 +112,9 @@ void RunSettings::Realtime::Visit(auto& v) {
   v.Optional("part_corrections", part_corrections, Between(0, 20),
              "sweeps that carry the nonlinear parts anew; 0: all of them");
   v.Optional("keep_below_Hz", keep_below_Hz, NonNegative(), "replace faster modes by their static gain; 0 keeps all");
+  v.Optional("condense_above_Hz", condense_above_Hz, NonNegative(),
+             "condense faster modes statically before the rest is decomposed: less exact than keep_below_Hz and many "
+             "times faster where each run has other numbers; linear plants only; 0: none");
 }
 
 void RunSettings::Visit(auto& v) {

@@ -36,6 +36,7 @@ Result<BatchMember> BatchMember::Create(const Rig& rig) {
     member.row_of_output_.push_back(static_cast<int>(write - group.writes.begin()));
   }
   member.form_ = mechanics::ModalForm::Build(group.system);
+  if (rig.run.realtime.condense_above_Hz > 0.0) return refused("condensed modes");
   if (rig.run.realtime.keep_below_Hz > 0.0)
     member.form_ = member.form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
   if (!BatchPropagator::Takes(member.form_)) return refused("a larger modal block");

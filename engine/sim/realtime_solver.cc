@@ -13,6 +13,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "linear/condensation.h"
 #include "linear/decompositions.h"
 #include "linear/modal_form.h"
 #include "linear/propagator.h"
@@ -125,12 +126,11 @@ class RealtimeSolver : public Solver {
 
   RealtimeSolver(const Rig& rig, mechanics::Decompositions* known)
       : rig_(rig), roles_(AssignRoles(rig)), with_memory_(BlocksWithMemory(rig)), group_(JoinLinearParts(rig, roles_)) {
-    form_ = known != nullptr ? ModalForm::Build(group_.system, *known->Of(group_.system.A))
-                             : ModalForm::Build(group_.system);
-    if (rig.run.realtime.keep_below_Hz > 0.0)
-      form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
     exact_ = roles_.nonlinear.empty() && std::all_of(group_.channels.begin(), group_.channels.end(),
                                                      [](const auto& one) { return one.channel.law->constant(); });
+    form_ = FormOf(group_.system, known);
+    if (rig.run.realtime.keep_below_Hz > 0.0)
+      form_ = form_.KeepBelow(2.0 * std::numbers::pi * rig.run.realtime.keep_below_Hz);
     chained_ = std::find(group_.read_is_held.begin(), group_.read_is_held.end(), false) != group_.read_is_held.end() &&
                std::any_of(roles_.nonlinear.begin(), roles_.nonlinear.end(),
                            [&rig](int index) { return PassesThrough(*rig.blocks[index].component); });
@@ -166,6 +166,19 @@ class RealtimeSolver : public Solver {
     ends_.assign(group_.channels.size(), 0.0);
     begin_guards_.assign(group_.channels.size(), 0.0);
     for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
+  }
+
+  ModalForm FormOf(const mechanics::LinearSystem& system, mechanics::Decompositions* known) const {
+    const auto decomposed = [known](const mechanics::LinearSystem& one) {
+      return known != nullptr ? ModalForm::Build(one, *known->Of(one.A)) : ModalForm::Build(one);
+    };
+    // A law between two bodies feels the compliance of all modes, and could not be solved for where some are static.
+    const double above_Hz = rig_.run.realtime.condense_above_Hz;
+    if (above_Hz == 0.0 || !exact_ || !group_.channels.empty()) return decomposed(system);
+    const mechanics::Condensed condensed = mechanics::Condense(system, 2.0 * std::numbers::pi * above_Hz);
+    ModalForm form = decomposed(condensed.system);
+    form.Expand(condensed.follows, condensed.kept);
+    return form;
   }
 
   /// False for a part whose outputs follow from its states alone, such as a machine: nothing is to be settled there.

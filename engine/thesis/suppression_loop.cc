@@ -121,14 +121,14 @@ Result<SuppressionLoop> SuppressionLoop::Create(const SuppressionPlant& plant, c
 }
 
 Status SuppressionLoop::ChangePlant(const SuppressionPlant& plant) {
-  Eigen::VectorXd x, p, angles, speeds;
+  Eigen::VectorXd x, p;
   form_.GetState(x_, x, p);
   const double lag = x[x.size() - 1];
-  const Eigen::VectorXd line = x.head(x.size() - 1);
-  coordinates_->ToPhysical(line, p, angles, speeds);
+  Eigen::MatrixXd angles, speeds, next, angles_of_parts;
+  coordinates_->ToPhysical(x.head(x.size() - 1), p, angles, speeds);
   if (Status failed = Carry(plant)) return failed;
-  Eigen::VectorXd next;
-  coordinates_->FromPhysical(angles, speeds, next, p);
+  coordinates_->FromPhysical(angles, speeds, next, angles_of_parts);
+  p = angles_of_parts;
   x.resize(next.size() + 1);
   x << next, lag;
   x_.assign(static_cast<std::size_t>(form_.state_size()), 0.0);

@@ -48,7 +48,7 @@ TEST_F(Measured, NothingHiddenIsNothingFound) {
   EXPECT_EQ(result["verdict"], "no_effect") << result.dump(1);
   EXPECT_TRUE(result["effects"].empty());
   // What this record would have shown of an inertia is far less than the three and a half percent up to which the data
-  // sheet is in doubt; within that no change is called one.
+  // sheet is not known; within that no change is called one.
   int inertias = 0;
   for (const nlohmann::json& seen : result["would_have_seen"]) {
     if (seen["name"] != "inertia_change") continue;
@@ -142,7 +142,7 @@ TEST_F(Project, TakesWhatADiagnosisHasExtended) {
   EXPECT_EQ(blessed.exit, 0) << blessed.Both();
 }
 
-TEST_F(Measured, AChangeThatTheDoubtsCouldHideIsNamedWhereItIsFarBeyondThem) {
+TEST_F(Measured, AChangeThatNominalValuesCouldHideIsNamedWhereItIsFarBeyondThem) {
   Record("plant.inertia.I3=0.53");  // 6 %, where a drawing is good for 1 %
   const nlohmann::json result = Diagnosed();
   ASSERT_EQ(result["verdict"], "effect_found") << result.dump(1);

@@ -114,7 +114,7 @@ TEST_F(Diagnosed, AnEffectOfAPluginInAPlantOfAPlugin) {
   ExpectAround(found["parameters"]["A"], 0.03);
 }
 
-TEST_F(Diagnosed, AnEffectOfAPluginThatChangesWhatThePlantHoldsForDoubtful) {
+TEST_F(Diagnosed, AnEffectOfAPluginThatChangesANuisanceParameterOfThePlant) {
   const nlohmann::json found = Found("name = \"fouling\"\nat = \"surface:block\"\nparameters = { delta = -0.4 }\n");
   EXPECT_EQ(found["name"], "fouling");
   ExpectAround(found["parameters"]["delta"], -0.4);

@@ -51,6 +51,7 @@ void Write(const fs::path& file, const Columns& columns) {
   if (const Status failed = trace::WriteCsv(file, all)) throw std::runtime_error(failed->ToString());
 }
 
+constexpr double kResolution = 1e-4;  // to which a record without noise counts as measured
 struct Suite {
   std::string program, out = "out/blind", kind, generator, json_file;
   std::vector<std::string> scenarios, only;
@@ -58,7 +59,8 @@ struct Suite {
   std::optional<std::uint64_t> number;  // this one alone
   int cases = 20;
   double duration_s = 4.0;
-  int most_cpu_s = 0;  // a diagnosis that takes more is stopped; 0: no limit
+  std::optional<double> noise;  // of each signal, in place of what is drawn
+  int most_cpu_s = 0;           // a diagnosis that takes more is stopped; 0: no limit
   bool line = false;
 };
 
@@ -171,6 +173,7 @@ int Run(const Suite& suite) {
                                       : "unknown";
     hidden.scenario = suite.scenarios[dice.Index(suite.scenarios.size())];
     hidden.noise = std::pow(10.0, dice.Uniform(-2.7, -1.7));
+    if (suite.noise) hidden.noise = std::max(*suite.noise, kResolution);  // what the effect has to show beside
     const double share = suite.generator.empty() ? kIndependent : suite.generator == "independent" ? 1.0 : 0.0;
     const bool independent = HasIndependent(hidden.scenario) && suite.only.empty() && hidden.kind != "pair" &&
                              (hidden.kind == "unknown" || dice.Uniform(0, 1) < share);
@@ -197,7 +200,7 @@ int Run(const Suite& suite) {
       continue;
     }
     const Columns clean = columns;
-    AddNoise(columns, hidden.noise, hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.5, dice);
+    if (suite.noise != 0.0) AddNoise(columns, hidden.noise, hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.5, dice);
     const fs::path folder = fs::path(suite.out) / fmt::format("case_{}_{}", suite.seed, number);
     fs::create_directories(folder);
     Write(folder / "record.csv", columns);
@@ -332,6 +335,7 @@ constexpr const char* kHelp =
   --generator G    independent (shares no code with the engine; some scenarios have one) or reference; else both
   --most-cpu S     stop a diagnosis after as many CPU seconds; the case is then neither right nor wrong
   --effect NAME    hide these only; may be repeated
+  --noise SHARE    of each signal, in place of one drawn between 0.002 and 0.02; 0: none
   --duration S     of records of drive lines (4)
   --out DIR        records and results of cases that did not come out right (out/blind)
   --json FILE      all cases with their truth
@@ -363,6 +367,8 @@ int main(int argc, char** argv) {
       suite.generator = value();
     else if (word == "--most-cpu")
       suite.most_cpu_s = std::stoi(value());
+    else if (word == "--noise")
+      suite.noise = std::stod(value());
     else if (word == "--duration")
       suite.duration_s = std::stod(value());
     else if (word == "--out")

@@ -75,7 +75,7 @@ TEST_F(SlowReach, WhatIsHeldStays) {
   Hypothesis at = problem.Nominal();
   at.effects = {{registry_.FindEffect("series_elasticity"), *ParsePlace("inertia:I4"), {2e7, 50.0}}};
   const Estimate before = EstimateAt(problem, at);
-  const Estimate after = Estimator(problem, WhitenerOf(problem, before, 0)).Refine(before, 4, Moves::kAll, 0);
+  const Estimate after = Estimator(problem, WhitenerOf(problem, before, 0)).Refine(before, 4, {.held = 0});
   ASSERT_TRUE(after.ok()) << after.broken;
   EXPECT_NEAR(after.hypothesis.effects[0].parameters[0], 2e7, 1.0);  // through its logarithm and back
   EXPECT_NE(after.hypothesis.effects[0].parameters[1], 50.0);

@@ -5,22 +5,16 @@
 
 #include "identification/estimator.h"
 #include "identification/random_restart.h"
-#include "tests/identification/lumped_line.h"
-#include "tests/identification/made_record.h"
+#include "tests/identification/driven_line.h"
 
 namespace dynoproof::identification {
 namespace {
 
-constexpr std::size_t kRows = 14001;
 constexpr double kNoise = 0.003;  // of each signal
 
-class SlowPolish : public LumpedLine {
+class SlowRefine : public DrivenLine {
  protected:
-  SlowPolish() {
-    time_ = Shared(Times(kRows));
-    record_.inputs["T_airgap"] = {time_, Shared(RandomTorque(kRows))};
-    record_.end_s = time_->back();
-  }
+  SlowRefine() : DrivenLine(14001) {}
 
   EffectInstance Softer(double delta) const {
     return {registry_.FindEffect("stiffness_change"), *ParsePlace("shaft:k3"), {delta}};
@@ -28,39 +22,18 @@ class SlowPolish : public LumpedLine {
 
   /// The record of a machine whose shaft k3 is softer than it should be, with noise.
   EstimationProblem Measured(double delta) { return Measured(Softer(delta), 4); }
-  /// That of a machine with an effect, simulated with so many substeps.
-  EstimationProblem Measured(const EffectInstance& effect, int substeps) {
-    MappedRecord silent = record_;
-    for (const char* output : {"T_shaft", "omega_1"})
-      silent.outputs[output] = {time_, Shared(std::vector<double>(kRows, 1.0))};
-    const EstimationProblem problem(*plan_, {silent}, registry_);
-    Hypothesis truth = problem.Nominal();
-    truth.effects = {effect};
-    Plan plan = problem.PlanOf(truth);
-    SetSubsteps(plan, substeps);
-    const Result<Eigen::VectorXd> clean = problem.PredictPlan(plan);
-    EXPECT_TRUE(clean.ok());
-    std::uint64_t stream = 2;
-    for (const Channel& channel : problem.channels()) {
-      const Eigen::VectorXd rows = clean->segment(channel.begin, channel.count);
-      record_.outputs[channel.name] = {time_, Noisy({rows.begin(), rows.end()}, kNoise, stream++)};
-    }
-    return EstimationProblem(*plan_, {record_}, registry_);
-  }
-
-  std::shared_ptr<const std::vector<double>> time_;
-  MappedRecord record_;
+  EstimationProblem Measured(const EffectInstance& effect, int substeps) { return Measure({effect}, substeps, kNoise); }
 };
 
 // Nominal values that were driven off beside a wrong size explain the record as well, up to what the prior says of
 // them. From there the way to the truth leads along frequencies that must not change by a millionth.
-TEST_F(SlowPolish, FindsBackAlongACurvedValley) {
+TEST_F(SlowRefine, FindsBackAlongACurvedValley) {
   const EstimationProblem problem = Measured(-0.2);
   Hypothesis wrong = problem.Nominal();
   wrong.effects = {Softer(-0.12)};
   Estimate fit = EstimateAt(problem, wrong);
   for (int k = 0; k < 6; ++k)
-    fit = Estimator(problem, WhitenerOf(problem, fit, 0)).Refine(std::move(fit), 4, Moves::kDoubts);
+    fit = Estimator(problem, WhitenerOf(problem, fit, 0)).Refine(std::move(fit), 4, {.moves = Moves::kNuisances});
   ASSERT_TRUE(fit.ok()) << fit.broken;
   const double strained = LargestDeviation(problem, fit);
   ASSERT_GT(strained, 2.0) << "no valley to be caught in";
@@ -71,8 +44,44 @@ TEST_F(SlowPolish, FindsBackAlongACurvedValley) {
   EXPECT_LT(LargestDeviation(problem, fit), 1.8);
 }
 
+// Slopes of another point near by lead to the same place for fewer runs, and slopes that mislead are replaced.
+TEST_F(SlowRefine, SlopesThatAreKnownLeadToTheSamePlace) {
+  const EstimationProblem problem = Measured(-0.05);
+  const Result<NuisanceModel> nominal = LineariseNuisances(problem, problem.Nominal(), FreedomOf(problem, {}));
+  ASSERT_TRUE(nominal.ok());
+  NuisanceModel wrong = *nominal;
+  wrong.jacobian *= -1.0;
+  Hypothesis start = problem.Nominal();
+  start.effects = {Softer(-0.045)};
+  const Estimate cold = EstimateAt(problem, start);
+  const Estimator estimator(problem, WhitenerOf(problem, cold, 0));
+  const Estimate differences = estimator.Refine(cold, 8);
+  Estimate known = cold, misled = cold;
+  TakeSlopes(problem, *nominal, problem, known);
+  TakeSlopes(problem, wrong, problem, misled);
+  known = estimator.Refine(known, 8, {.slopes = Slopes::kKnown});
+  misled = estimator.Refine(misled, 8, {.slopes = Slopes::kKnown});
+  for (const Estimate* fit : {&known, &misled}) {
+    ASSERT_TRUE(fit->ok()) << fit->broken;
+    EXPECT_NEAR(fit->chi2, differences.chi2, 0.5) << "half of what one parameter gains by chance";
+  }
+  EXPECT_LT(known.simulations, differences.simulations);
+}
+
+// A part holds the first rows of each channel, and needs no other slopes.
+TEST_F(SlowRefine, SlopesOfTheWholeAreThoseOfItsParts) {
+  const EstimationProblem problem = Measured(-0.05), part = problem.Part(0.1);
+  const Result<NuisanceModel> whole = LineariseNuisances(problem, problem.Nominal(), FreedomOf(problem, {}));
+  const Result<NuisanceModel> own = LineariseNuisances(part, part.Nominal(), FreedomOf(part, {}));
+  ASSERT_TRUE(whole.ok() && own.ok());
+  Estimate fit = EstimateAt(part, part.Nominal());
+  TakeSlopes(problem, *whole, part, fit);
+  ASSERT_EQ(fit.nuisances.jacobian.cols(), own->jacobian.cols());
+  EXPECT_LE((fit.nuisances.jacobian - own->jacobian).norm(), 1e-9 * own->jacobian.norm());
+}
+
 // With friction that sticks and slips lies minimum beside minimum, and the way down ends in the nearest one.
-TEST_F(SlowPolish, FrictionIsShakenDownToTheTruth) {
+TEST_F(SlowRefine, FrictionIsShakenDownToTheTruth) {
   const EffectInstance truth = {registry_.FindEffect("coulomb_friction"), *ParsePlace("inertia:I4"), {15.4}};
   const EstimationProblem problem = Measured(truth, 32);
   Hypothesis beside = problem.Nominal();
@@ -88,7 +97,7 @@ TEST_F(SlowPolish, FrictionIsShakenDownToTheTruth) {
 }
 
 // A parameter at its bound that wants further out stays there, and the others find their best without it.
-TEST_F(SlowPolish, StaysInsideItsBounds) {
+TEST_F(SlowRefine, StaysInsideItsBounds) {
   const EstimationProblem problem = Measured(-0.2);
   Hypothesis start = problem.Nominal();
   start.effects = {{registry_.FindEffect("viscous_friction"), *ParsePlace("inertia:I3"), {0.0}}};
@@ -103,7 +112,7 @@ TEST_F(SlowPolish, StaysInsideItsBounds) {
 }
 
 // The engine counts time in whole nanoseconds: differences must not fall between two of them.
-TEST_F(SlowPolish, ADelayWithinASampleHasASlope) {
+TEST_F(SlowRefine, ADelayWithinASampleHasASlope) {
   const EstimationProblem problem = Measured(0.0);
   const auto delayed = [&](double delay_s) {
     Hypothesis at = problem.Nominal();

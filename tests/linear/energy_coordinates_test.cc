@@ -120,16 +120,16 @@ TEST(EnergyCoordinates, PhysicalStateGoesThereAndBack) {
   VectorXd angles(6), speeds(6);
   angles << 1e4, 1e4 + 1e-3, 1e4 + 0.02, 1e4 + 0.021, 0.3, -5.0;
   speeds << 100.0, 101.0, 99.0, 98.0, 0.5, 7.0;
-  VectorXd x, p, angles_back, speeds_back;
+  MatrixXd x, p, angles_back, speeds_back;
   coordinates.FromPhysical(angles, speeds, x, p);
   const LinearSystem system = coordinates.System(
       {coordinates.EdgeTwist(0), coordinates.EdgeTwist(1), coordinates.Angle(5), coordinates.Speed(3)});
-  const VectorXd y = system.C * x + system.E * p;
+  const MatrixXd y = system.C * x + system.E * p;
   // An angle of 1e4 rad is known to 2e-12; sums over a few nodes.
-  EXPECT_NEAR(y[0], -1e-3, 2e-11);
-  EXPECT_NEAR(y[1], 1e-3 - 0.02, 2e-11);
-  EXPECT_NEAR(y[2], -5.0, 2e-11);
-  EXPECT_NEAR(y[3], 98.0, 1e-12);
+  EXPECT_NEAR(y(0, 0), -1e-3, 2e-11);
+  EXPECT_NEAR(y(1, 0), 1e-3 - 0.02, 2e-11);
+  EXPECT_NEAR(y(2, 0), -5.0, 2e-11);
+  EXPECT_NEAR(y(3, 0), 98.0, 1e-12);
   coordinates.ToPhysical(x, p, angles_back, speeds_back);
   EXPECT_LE((angles_back - angles).cwiseAbs().maxCoeff(), 2e-11);
   EXPECT_LE((speeds_back - speeds).cwiseAbs().maxCoeff(), 1e-12);
@@ -138,7 +138,8 @@ TEST(EnergyCoordinates, PhysicalStateGoesThereAndBack) {
 TEST(EnergyCoordinates, EnergyIsHalfTheSquare) {
   const Network network = support::StraightChain();
   const auto coordinates = Coordinates(network, MatrixXd::Zero(5, 1));
-  VectorXd angles(5), speeds(5), x, p;
+  VectorXd angles(5), speeds(5);
+  MatrixXd x, p;
   angles << 0.0, 1e-3, -2e-3, 4e-3, 1e-3;
   speeds << 3.0, -1.0, 2.0, 0.5, -4.0;
   coordinates.FromPhysical(angles, speeds, x, p);

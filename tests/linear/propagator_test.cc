@@ -296,7 +296,8 @@ TEST(Propagator, FastTurningDoesNotSpoilTheTwists) {
   ASSERT_TRUE(coordinates.ok());
   const ModalForm form = ModalForm::Build(coordinates->System({coordinates->EdgeTwist(2), coordinates->Angle(0)}));
   const Propagator propagator = Make(form);
-  VectorXd x, p, angles(4);
+  VectorXd angles(4);
+  MatrixXd x, p;
   angles << 0.0, 0.0, -0.004, -0.004;
   coordinates->FromPhysical(angles, VectorXd::Constant(4, 1000.0), x, p);
   AlignedVector state(propagator.state_size());

@@ -264,31 +264,27 @@ std::unique_ptr<LinearPart> DriveLine::MakeLinearPart() const {
   part.state_from_p.setZero(2 * n + own, coordinates.integrators());
   part.x_from_state.bottomRightCorner(own, own) = scale.cwiseInverse().asDiagonal();
   part.state_from_x.bottomRightCorner(own, own) = scale.asDiagonal();
-  for (int j = 0; j < 2 * n; ++j) {
-    Eigen::VectorXd angles = Eigen::VectorXd::Zero(n), speeds = Eigen::VectorXd::Zero(n), x, p;
-    if (j < n - 1) angles[j + 1] = 1.0;
-    if (j == n - 1) angles.setOnes();
-    if (j >= n) speeds[j - n] = 1.0;
-    coordinates.FromPhysical(angles, speeds, x, p);
-    part.x_from_state.col(j).head(mechanical) = x;
-    part.p_from_state.col(j) = p;
-  }
-  const auto state = [&coordinates, n](const Eigen::VectorXd& x, const Eigen::VectorXd& p) {
-    Eigen::VectorXd angles, speeds, s(2 * n);
-    coordinates.ToPhysical(x, p, angles, speeds);
-    for (int i = 1; i < n; ++i) s[i - 1] = angles[i] - angles[0];
-    s[n - 1] = angles[0];
-    s.tail(n) = speeds;
-    return s;
-  };
-  const Eigen::VectorXd no_x = Eigen::VectorXd::Zero(coordinates.states());
-  const Eigen::VectorXd no_p = Eigen::VectorXd::Zero(coordinates.integrators());
-  for (int j = 0; j < coordinates.states(); ++j) {
-    part.state_from_x.col(j).head(2 * n) = state(Eigen::VectorXd::Unit(coordinates.states(), j), no_p);
-  }
-  for (int j = 0; j < coordinates.integrators(); ++j) {
-    part.state_from_p.col(j).head(2 * n) = state(no_x, Eigen::VectorXd::Unit(coordinates.integrators(), j));
-  }
+  // One column a state: the angle of node j + 1 beside node 0's, then that of all, then the speeds.
+  Eigen::MatrixXd angles = Eigen::MatrixXd::Zero(n, 2 * n), speeds = angles, x, p;
+  angles.bottomLeftCorner(n - 1, n - 1).setIdentity();
+  angles.col(n - 1).setOnes();
+  speeds.rightCols(n).setIdentity();
+  coordinates.FromPhysical(angles, speeds, x, p);
+  part.x_from_state.topLeftCorner(mechanical, 2 * n) = x;
+  part.p_from_state.leftCols(2 * n) = p;
+  // And back: one column a coordinate of x, then of p.
+  const int integrators = coordinates.integrators();
+  x.setZero(mechanical, mechanical + integrators);
+  p.setZero(integrators, mechanical + integrators);
+  x.leftCols(mechanical).setIdentity();
+  p.rightCols(integrators).setIdentity();
+  coordinates.ToPhysical(x, p, angles, speeds);
+  Eigen::MatrixXd states(2 * n, x.cols());
+  states.topRows(n - 1) = angles.bottomRows(n - 1).rowwise() - angles.row(0);
+  states.row(n - 1) = angles.row(0);
+  states.bottomRows(n) = speeds;
+  part.state_from_x.topLeftCorner(2 * n, mechanical) = states.leftCols(mechanical);
+  part.state_from_p.topRows(2 * n) = states.rightCols(integrators);
   return made;
 }
 
