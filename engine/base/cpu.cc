@@ -1,8 +1,12 @@
 #include "base/cpu.h"
 
-namespace dynoproof {
+#include <algorithm>
+#include <cstdlib>
 
-CpuClass DetectCpuClass() {
+namespace dynoproof {
+namespace {
+
+CpuClass OfMachine() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -12,6 +16,21 @@ CpuClass DetectCpuClass() {
   if (avx2) return CpuClass::kAvx2Fma;
 #endif
   return CpuClass::kBaseline;
+}
+
+CpuClass Wanted() {
+  const char* name = std::getenv("DYNOPROOF_CPU_CLASS");
+  for (const CpuClass cpu_class : {CpuClass::kBaseline, CpuClass::kAvx2Fma}) {
+    if (name != nullptr && name == ToString(cpu_class)) return cpu_class;
+  }
+  return CpuClass::kAvx512;
+}
+
+}  // namespace
+
+CpuClass DetectCpuClass() {
+  static const CpuClass cpu_class = std::min(OfMachine(), Wanted());
+  return cpu_class;
 }
 
 std::string_view ToString(CpuClass cpu_class) {

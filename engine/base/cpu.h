@@ -1,5 +1,5 @@
 // Which vector instructions this machine offers: fast kernels choose by it once, and a run's record names it, because
-// the same inputs give the same bits on the same class only. No environment variable takes part.
+// the same inputs give the same bits on the same class only.
 #pragma once
 
 #include <string_view>
@@ -9,7 +9,9 @@ namespace dynoproof {
 /// Rising: each class runs the kernels of those before it.
 enum class CpuClass { kBaseline, kAvx2Fma, kAvx512 };
 
-/// The best class of the machine the program runs on; kBaseline wherever it is not an x86-64.
+/// The best class of the machine the program runs on, but none above the one that the environment variable
+/// DYNOPROOF_CPU_CLASS names as ToString does: so a test sees on one machine what another would do. kBaseline wherever it
+/// is not an x86-64.
 CpuClass DetectCpuClass();
 
 /// "x86-64", "x86-64-avx2-fma", "x86-64-avx512"; elsewhere kBaseline is named after the architecture.
