@@ -1,114 +1,171 @@
 #include "base/units.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <utility>
+#include <vector>
+
+#include "base/unit_symbols.h"
 
 namespace dynoproof {
 namespace {
 
-using Exponents = std::array<int, 6>;
+bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
-/// Symbols that take SI prefixes (first) and symbols that do not (second).
-const std::map<std::string, Unit, std::less<>>& Prefixable() {
-  static const std::map<std::string, Unit, std::less<>> table = {
-      {"g", {1e-3, 0, {1, 0, 0, 0, 0, 0}}},    {"m", {1, 0, {0, 1, 0, 0, 0, 0}}},
-      {"s", {1, 0, {0, 0, 1, 0, 0, 0}}},       {"K", {1, 0, {0, 0, 0, 1, 0, 0}}},
-      {"A", {1, 0, {0, 0, 0, 0, 1, 0}}},       {"rad", {1, 0, {0, 0, 0, 0, 0, 1}}},
-      {"N", {1, 0, {1, 1, -2, 0, 0, 0}}},      {"Pa", {1, 0, {1, -1, -2, 0, 0, 0}}},
-      {"J", {1, 0, {1, 2, -2, 0, 0, 0}}},      {"W", {1, 0, {1, 2, -3, 0, 0, 0}}},
-      {"V", {1, 0, {1, 2, -3, 0, -1, 0}}},     {"Hz", {1, 0, {0, 0, -1, 0, 0, 0}}},
-      {"bar", {1e5, 0, {1, -1, -2, 0, 0, 0}}}, {"Wb", {1, 0, {1, 2, -2, 0, -1, 0}}},
-      {"H", {1, 0, {1, 2, -2, 0, -2, 0}}},     {"Ohm", {1, 0, {1, 2, -3, 0, -2, 0}}},
+/// One plain spelling for what people type: signs outside ASCII, "N.m", "N-m", "ft-lb", "m**2", "U/min".
+std::string InPlainSigns(std::string_view text) {
+  static const std::pair<std::string_view, std::string_view> table[] = {
+      {"\u00B7", "*"},   {"\u22C5", "*"},   {"\u2219", "*"},   {"\u00D7", "*"},    {"\u00B5", "u"},
+      {"\u03BC", "u"},   {"\u00B0", "deg"}, {"\u00BA", "deg"}, {"\u2103", "degC"}, {"\u2109", "degF"},
+      {"\u03A9", "Ohm"}, {"\u2126", "Ohm"}, {"\u2070", "0"},   {"\u00B9", "1"},    {"\u00B2", "2"},
+      {"\u00B3", "3"},   {"\u2074", "4"},   {"\u2075", "5"},   {"\u2076", "6"},    {"\u207B", "-"},
+      {"\u2212", "-"},   {"\u00A0", " "},   {"**", "^"},       {" per ", "/"},
   };
-  return table;
+  std::string plain;
+  while (!text.empty()) {
+    const auto* const sign = std::find_if(std::begin(table), std::end(table),
+                                          [&](const auto& entry) { return text.starts_with(entry.first); });
+    plain += sign != std::end(table) ? sign->second : text.substr(0, 1);
+    text.remove_prefix(sign != std::end(table) ? sign->first.size() : 1);
+  }
+  // A point or a dash between two letters joins factors; "min-1" has a power there.
+  for (std::size_t i = 1; i + 1 < plain.size(); ++i) {
+    const bool before = IsLetter(plain[i - 1]) || IsDigit(plain[i - 1]);
+    if ((plain[i] == '.' || plain[i] == '-') && before && IsLetter(plain[i + 1])) plain[i] = '*';
+  }
+  for (const std::string_view turns : {"U/", "r/", "tr/"}) {
+    if (plain.starts_with(turns)) plain.replace(0, turns.size(), "rev/");
+  }
+  for (const std::string_view spaced : {"deg C", "deg F"}) {
+    if (plain == spaced) plain.erase(3, 1);
+  }
+  return plain;
 }
 
-const std::map<std::string, Unit, std::less<>>& Plain() {
-  constexpr double kDegree = std::numbers::pi / 180.0;
-  static const std::map<std::string, Unit, std::less<>> table = {
-      {"1", {}},
-      {"-", {}},
-      {"%", {0.01, 0, {}}},
-      {"deg", {kDegree, 0, {0, 0, 0, 0, 0, 1}}},
-      {"rev", {2 * std::numbers::pi, 0, {0, 0, 0, 0, 0, 1}}},
-      {"rpm", {2 * std::numbers::pi / 60, 0, {0, 0, -1, 0, 0, 1}}},
-      {"min", {60, 0, {0, 0, 1, 0, 0, 0}}},
-      {"h", {3600, 0, {0, 0, 1, 0, 0, 0}}},
-      {"degC", {1, 273.15, {0, 0, 0, 1, 0, 0}}},
-      {"in", {0.0254, 0, {0, 1, 0, 0, 0, 0}}},
-      {"lbf", {4.4482216152605, 0, {1, 1, -2, 0, 0, 0}}},
-      {"l", {1e-3, 0, {0, 3, 0, 0, 0, 0}}},
-      {"atm", {101325, 0, {1, -1, -2, 0, 0, 0}}},
-  };
-  return table;
-}
+/// Reads factors, products, quotients and brackets from the left. Whoever writes "a/b/c" or "a/b c" may mean two things:
+/// both are refused.
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : rest_(text) {}
 
-std::optional<Unit> Symbol(std::string_view text) {
-  if (text == "Nm") return Unit{1, 0, {1, 2, -2, 0, 0, 0}};
-  if (text == "kNm") return Unit{1e3, 0, {1, 2, -2, 0, 0, 0}};
-  if (text == "MNm") return Unit{1e6, 0, {1, 2, -2, 0, 0, 0}};
-  if (const auto it = Plain().find(text); it != Plain().end()) return it->second;
-  if (const auto it = Prefixable().find(text); it != Prefixable().end()) return it->second;
-  static const std::map<char, double> prefixes = {{'G', 1e9},  {'M', 1e6},  {'k', 1e3},  {'h', 1e2},
-                                                  {'c', 1e-2}, {'m', 1e-3}, {'u', 1e-6}, {'n', 1e-9}};
-  if (text.size() < 2) return std::nullopt;
-  const auto prefix = prefixes.find(text.front());
-  const auto base = Prefixable().find(text.substr(1));
-  if (prefix == prefixes.end() || base == Prefixable().end()) return std::nullopt;
-  Unit unit = base->second;
-  unit.factor *= prefix->second;
-  return unit;
-}
+  std::optional<Unit> Read() {
+    const std::optional<Unit> unit = Product();
+    return rest_.empty() ? unit : std::nullopt;
+  }
 
-/// Splits "kg m^2" or "s2" into symbol and exponent; the exponent is 1 when none is written.
-std::pair<std::string_view, int> SymbolAndPower(std::string_view text) {
-  if (text == "1") return {text, 1};
-  std::size_t end = text.size();
-  while (end > 0 && (std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0 || text[end - 1] == '-')) --end;
-  int power = 1;
-  const bool has_power = end < text.size() && end > 0;
-  if (has_power) std::from_chars(text.data() + end, text.data() + text.size(), power);
-  std::string_view symbol = has_power ? text.substr(0, end) : text;
-  if (has_power && symbol.size() > 1 && symbol.back() == '^') symbol.remove_suffix(1);
-  return {symbol, power};
+ private:
+  void SkipBlanks() {
+    while (rest_.starts_with(' ')) rest_.remove_prefix(1);
+  }
+
+  bool Take(char c) {
+    if (!rest_.starts_with(c)) return false;
+    rest_.remove_prefix(1);
+    return true;
+  }
+
+  /// Factors up to the end or a closing bracket.
+  std::optional<Unit> Product() {
+    Unit result;
+    int factors = 0;
+    bool divided = false;
+    SkipBlanks();
+    for (; !rest_.empty() && rest_.front() != ')'; ++factors, SkipBlanks()) {
+      if (divided) return std::nullopt;
+      const bool by = Take('/');
+      if (!by && Take('*') && factors == 0) return std::nullopt;
+      divided = by;
+      SkipBlanks();
+      const std::optional<Unit> unit = Factor();
+      // A temperature with an offset stands alone.
+      if (!unit || (unit->offset != 0.0 && (factors > 0 || by))) return std::nullopt;
+      if (factors > 0 && result.offset != 0.0) return std::nullopt;
+      Multiply(result, *unit, by ? -1 : 1);
+    }
+    if (factors == 0) return std::nullopt;
+    return result;
+  }
+
+  std::optional<Unit> Factor() {
+    if (!Take('(')) return SymbolWithPower();
+    const std::optional<Unit> inner = Product();
+    if (!inner || !Take(')')) return std::nullopt;
+    return Raised(*inner, Power());
+  }
+
+  std::optional<Unit> SymbolWithPower() {
+    const std::string_view token = rest_.substr(0, rest_.find_first_of(" */()"));
+    if (const std::optional<Unit> whole = SymbolOfUnit(token)) {
+      rest_.remove_prefix(token.size());
+      return whole;
+    }
+    std::size_t end = 0;
+    while (end < token.size() && !IsDigit(token[end]) && token[end] != '-' && token[end] != '^') ++end;
+    const std::optional<Unit> unit = SymbolOfUnit(token.substr(0, end));
+    if (!unit) return std::nullopt;
+    rest_.remove_prefix(end);
+    return Raised(*unit, Power());
+  }
+
+  /// "^-1", "2", "-1" or nothing, which is 1; no value where something else follows.
+  std::optional<int> Power() {
+    const bool marked = Take('^');
+    if (!marked && (rest_.empty() || (!IsDigit(rest_.front()) && rest_.front() != '-'))) return 1;
+    if (rest_.starts_with("+")) rest_.remove_prefix(1);
+    int power = 0;
+    const auto [stop, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), power);
+    if (error != std::errc() || std::abs(power) > 9) return std::nullopt;
+    rest_.remove_prefix(static_cast<std::size_t>(stop - rest_.data()));
+    if (!rest_.empty() && std::string_view(" */()").find(rest_.front()) == std::string_view::npos) return std::nullopt;
+    return power;
+  }
+
+  static std::optional<Unit> Raised(const Unit& unit, std::optional<int> power) {
+    if (!power || (unit.offset != 0.0 && *power != 1)) return std::nullopt;
+    if (*power == 1) return unit;
+    Unit result;
+    Multiply(result, unit, *power);
+    return result;
+  }
+
+  static void Multiply(Unit& result, const Unit& unit, int power) {
+    result.factor *= std::pow(unit.factor, power);
+    result.offset += unit.offset;
+    for (std::size_t i = 0; i < result.exponents.size(); ++i) result.exponents[i] += power * unit.exponents[i];
+  }
+
+  std::string_view rest_;
+};
+
+/// "ft-lb" and "lb in" are torques: their lb, a mass elsewhere, is a force. The same for oz.
+std::optional<Unit> TorqueOfPounds(std::string_view plain) {
+  std::string letters;
+  for (const char c : plain) {
+    if (IsLetter(c)) letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!IsLetter(c) && c != '*' && c != ' ') return std::nullopt;
+  }
+  for (const std::string_view arm : {"ft", "in"}) {
+    for (const std::string_view weight : {"lb", "lbs", "lbf", "oz", "ozf"}) {
+      if (letters != std::string(arm).append(weight) && letters != std::string(weight).append(arm)) continue;
+      Unit torque = *SymbolOfUnit(weight.starts_with("lb") ? "lbf" : "ozf");
+      const Unit length = *SymbolOfUnit(arm);
+      torque.factor *= length.factor;
+      ++torque.exponents[1];
+      return torque;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Unit> ParseUnit(std::string_view text) {
-  Unit result;
-  int sign = 1;
-  bool any = false;
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const char c = text[begin];
-    if (c == ' ' || c == '*' || c == '(' || c == ')') {
-      ++begin;
-      continue;
-    }
-    if (c == '/') {
-      if (sign < 0 && any && text.find('(') == std::string_view::npos) return std::nullopt;  // a/b/c is ambiguous
-      sign = -1;
-      ++begin;
-      continue;
-    }
-    const std::size_t end = std::min(text.find_first_of(" */()", begin), text.size());
-    const auto [symbol, power] = SymbolAndPower(text.substr(begin, end - begin));
-    const std::optional<Unit> unit = Symbol(symbol);
-    if (!unit) return std::nullopt;
-    if (unit->offset != 0.0 && (any || end < text.size() || power != 1)) return std::nullopt;  // degC stands alone
-    result.factor *= std::pow(unit->factor, sign * power);
-    result.offset += unit->offset;
-    for (std::size_t i = 0; i < result.exponents.size(); ++i) result.exponents[i] += sign * power * unit->exponents[i];
-    any = true;
-    begin = end;
-  }
-  if (!any) return std::nullopt;
-  return result;
+  const std::string plain = InPlainSigns(text);
+  if (const std::optional<Unit> torque = TorqueOfPounds(plain)) return torque;
+  return Parser(plain).Read();
 }
 
 bool SameQuantity(const Unit& a, const Unit& b) {

@@ -12,12 +12,13 @@ namespace dynoproof {
 /// rad is kept as a dimension of its own so that Nm/rad and Nm are told apart; see SameQuantity.
 struct Unit {
   double factor = 1.0;
-  double offset = 0.0;                // degC only
+  double offset = 0.0;                // degC and degF only
   std::array<int, 6> exponents = {};  // kg, m, s, K, A, rad
 };
 
-/// Parses products and quotients such as "N m", "kN m", "N*m/rad", "kg m^2", "rad/s", "1/min", "m/s2", "%", "degC",
-/// "1". Nothing for an unknown unit.
+/// Parses products and quotients such as "N m", "kN m", "N·m/rad", "kg m²", "rad/s", "1/min", "min^-1", "m/s2", "%",
+/// "°C", "ft-lb", "Volt", "1" (symbols: base/unit_symbols.h). Nothing for an unknown unit, and for "a/b/c" and "a/b c",
+/// which may mean two things.
 std::optional<Unit> ParseUnit(std::string_view text);
 
 /// True when values of `a` can be converted into `b`. Radians are dimensionless in this comparison.

@@ -5,16 +5,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
-#include <iterator>
-#include <limits>
-#include <set>
+#include <optional>
 #include <system_error>
+#include <utility>
 
-#include "base/atomic_file.h"
+#include "trace/csv_cells.h"
+#include "trace/csv_cut.h"
+#include "trace/csv_layout.h"
+#include "trace/csv_table.h"
 #include "trace/csv_text.h"
+#include "trace/lvm.h"
+#include "trace/text_safety.h"
 
 namespace dynoproof::trace {
 namespace {
@@ -22,18 +24,21 @@ namespace {
 /// Reads one file. Each step returns false after having set the failure.
 class Reader {
  public:
-  Reader(int descriptor, std::string source, std::size_t file_bytes) : lines_(descriptor), file_bytes_(file_bytes) {
+  Reader(csv::Lines lines, std::string source, std::size_t file_bytes)
+      : lines_(std::move(lines)), file_bytes_(file_bytes) {
     record_.source = std::move(source);
   }
 
   Result<Record> Read() {
-    if (!ReadHeader() || !ReadRows()) return Fail(lines_.fault().empty() ? failure_ : lines_.fault());
+    if (ReadHead()) ReadRows();
     if (!lines_.fault().empty()) return Fail(lines_.fault());
-    if (bad_count_ > 0) return Fail(BadCells());
-    if (record_.columns[0].values.empty()) return Fail("has a row of names, but no data");
-    for (std::size_t i = 0; i < first_bad_line_.size(); ++i) {
-      if (first_bad_line_[i] > 0) record_.non_finite.push_back({.column = i, .first_line = first_bad_line_[i]});
-    }
+    if (!failure_.empty()) return Fail(failure_);
+    if (bad_count_ > 0) return Fail(BadRows());
+    DropEmptyRows();
+    DropCutRow();
+    if (cells_->rows() == 0) return Fail("has a row of names, but no data");
+    cells_->MoveTo(record_);
+    if (record_.columns.empty()) return Fail(NoColumn());
     FinishRecord(record_);
     return std::move(record_);
   }
@@ -43,221 +48,226 @@ class Reader {
     return {.message = std::move(message), .signal = record_.source, .time_s = {}, .exit_code = 2};
   }
 
-  std::string BadCells() const {
-    std::string text =
-        fmt::format("{} bad cell{} or row{}", bad_count_, bad_count_ == 1 ? "" : "s", bad_count_ == 1 ? "" : "s");
-    for (const std::string& sentence : bad_) text += "\n" + sentence;
-    if (bad_count_ > bad_.size()) text += fmt::format("\nand {} more", bad_count_ - bad_.size());
-    return text;
-  }
-
-  void Report(const std::string& what) {
-    ++bad_count_;
-    if (bad_.size() < kMostBadCells) bad_.push_back(fmt::format("line {}{}", lines_.number(), what));
-  }
-
-  /// The next line with data, or nothing.
-  std::optional<std::string_view> NextRow() {
-    while (const std::optional<std::string_view> line = lines_.Next()) {
-      const std::string_view text = csv::Trim(*line);
-      // With tabs, a line of blanks is a row of empty cells only if it has a separator; with none it is an empty line.
-      if (text.empty() && (separator_ != '\t' || line->find('\t') == std::string_view::npos)) continue;
-      if (text.starts_with('#')) {
-        last_comment_ = lines_.number();
-        continue;
-      }
-      return separator_ == '\t' ? *line : text;
-    }
-    return {};
-  }
-
-  /// All cells of a line; nothing if a quote is wrong.
-  std::optional<std::vector<std::string>> Split(std::string_view line) const {
-    std::vector<std::string> cells;
-    std::string storage;
-    for (bool more = true; more;) {
-      const auto cell = csv::TakeCell(line, separator_, storage, more);
-      if (!cell) return {};
-      cells.emplace_back(*cell);
-    }
-    return cells;
-  }
-
-  bool ReadHeader() {
-    const std::optional<std::string_view> line = NextRow();
-    if (!line) return SetFailure("is empty: expected a row of names and rows of numbers");
-    separator_ = csv::FindSeparator(*line);
-    std::optional<std::vector<std::string>> names = Split(*line);
-    if (!names) return SetFailure(fmt::format("line {}: a quote is not closed, or text follows it", lines_.number()));
-    if (names->size() > 1 && names->back().empty()) names->pop_back();
-    csv::NumberReader numbers(separator_ != ',');
-    if (std::ranges::all_of(*names, [&](const std::string& n) { return !n.empty() && numbers.Read(n); })) {
-      return SetFailure(fmt::format("line {}: expected a row of names, found numbers{}", lines_.number(),
-                                    last_comment_ > 0 ? " (names behind a \"#\" are a comment: remove the mark)" : ""));
-    }
-    std::set<std::string> seen;
-    for (std::size_t i = 0; i < names->size(); ++i) {
-      const std::string& name = (*names)[i];
-      if (name.empty()) return SetFailure(fmt::format("line {}, column {}: no name", lines_.number(), i + 1));
-      if (!seen.insert(name).second) {
-        return SetFailure(
-            fmt::format("line {}, column {}: there are two columns \"{}\"", lines_.number(), i + 1, name));
-      }
-      record_.columns.push_back({.name = name, .unit = {}, .values = {}, .time = {}});
-    }
-    first_bad_line_.assign(names->size(), 0);
-    return true;
-  }
-
   bool SetFailure(std::string text) {
     failure_ = std::move(text);
     return false;
   }
 
-  /// Takes the row as one of units if it looks like one.
-  bool TakeUnits(std::string_view line) {
-    std::optional<std::vector<std::string>> cells = Split(line);
-    if (!cells) return false;
-    if (cells->size() == record_.columns.size() + 1 && cells->back().empty()) cells->pop_back();
-    if (cells->size() != record_.columns.size()) return false;
-    bool any_word = false;
-    for (const std::string& cell : *cells) {
-      csv::NumberReader numbers(separator_ != ',');
-      const bool is_number = !cell.empty() && numbers.Read(cell).has_value();
-      if (is_number && cell != "1") return false;
-      any_word = any_word || (!is_number && !cell.empty());
+  std::string BadRows() const {
+    if (bad_count_ == 1) return bad_[0];
+    std::string text = fmt::format("{} bad rows", bad_count_);
+    for (const std::string& sentence : bad_) text += "\n" + sentence;
+    if (bad_count_ > bad_.size()) text += fmt::format("\nand {} more", bad_count_ - bad_.size());
+    return text;
+  }
+
+  void Report(std::string sentence) {
+    ++bad_count_;
+    if (bad_.size() < kMostBadRows) bad_.push_back(std::move(sentence));
+  }
+
+  /// The first lines that hold something, and how they are laid out.
+  bool ReadHead() {
+    std::size_t bytes = 0, changed = 0;
+    while (head_.size() < csv::kMostHeadLines && (bytes < csv::kHeadBytes || head_.size() < csv::kFewestHeadLines)) {
+      const std::optional<std::string_view> line = lines_.Next();
+      if (!line) break;
+      bytes += line->size();
+      if (csv::Trim(*line).empty() && line->find('\t') == std::string_view::npos) continue;
+      if (changed == 0 && !IsUtf8(*line)) changed = lines_.number();
+      head_.push_back({lines_.number(), ToUtf8(*line)});
     }
-    if (!any_word) return false;
-    for (std::size_t i = 0; i < cells->size(); ++i) {
-      std::string unit = (*cells)[i];
-      if (unit.size() >= 2 &&
-          ((unit.front() == '[' && unit.back() == ']') || (unit.front() == '(' && unit.back() == ')'))) {
-        unit = std::string(csv::Trim(std::string_view(unit).substr(1, unit.size() - 2)));
+    if (!lines_.fault().empty()) return false;
+    layout_ = !head_.empty() && csv::IsLvm(head_.front().text) ? csv::FindLvmLayout(head_) : csv::FindLayout(head_);
+    if (!layout_.fault.empty()) return SetFailure(layout_.fault);
+    record_.notes = layout_.notes;
+    if (changed > 0) {
+      record_.notes.push_back(fmt::format("line {} is not UTF-8: such text is taken as Windows-1252", changed));
+    }
+    cells_.emplace(layout_);
+    return cells_->FaultOfNames().empty() || SetFailure(cells_->FaultOfNames());
+  }
+
+  /// The next line with data, or nothing: the rest of the head, then the rest of the file.
+  std::optional<std::string_view> NextRow() {
+    for (;;) {
+      std::string_view line;
+      if (at_ < head_.size()) {
+        line = head_[at_].text;
+        line_number_ = head_[at_++].number;
+      } else if (const std::optional<std::string_view> next = lines_.Next()) {
+        line = *next;
+        line_number_ = lines_.number();
+      } else {
+        return {};
       }
-      record_.columns[i].unit = unit == "-" ? "1" : unit;
+      const std::string_view text = csv::Trim(line);
+      // With tabs, a line of blanks is a row of empty cells only if it has a separator; with none it is an empty line.
+      if (text.empty() && (layout_.separator != '\t' || line.find('\t') == std::string_view::npos)) continue;
+      if (text.starts_with('#') || text == "\x1A") continue;  // the end of a file as DOS wrote it
+      return layout_.separator == '\t' ? line : text;
     }
-    return true;
   }
 
-  bool ReadRows() {
-    csv::NumberReader numbers(separator_ != ',');
+  void ReadRows() {
+    at_ = layout_.first_row;
     std::optional<std::string_view> line = NextRow();
-    if (line && TakeUnits(*line)) line = NextRow();
-    if (line) Reserve(line->size() + 1);
-    for (; line; line = NextRow()) ReadRow(*line, numbers);
-    return true;
-  }
-
-  /// Room for the rows to come, judged by the length of the first; later ones may be longer, so take a little more.
-  void Reserve(std::size_t line_bytes) {
-    const std::size_t rows = file_bytes_ / line_bytes + file_bytes_ / line_bytes / 8;
-    for (Column& column : record_.columns) column.values.reserve(rows);
-  }
-
-  void ReadRow(std::string_view line, csv::NumberReader& numbers) {
-    const std::size_t width = record_.columns.size();
-    std::size_t count = 0;
-    for (bool more = true; more; ++count) {
-      const std::optional<std::string_view> cell = csv::TakeCell(line, separator_, storage_, more);
-      if (!cell) {
-        Report(fmt::format(", column {}: a quote is not closed, or text follows it", count + 1));
+    // Room for the rows to come, judged by the length of the first; later ones may be longer, so take a little more.
+    if (line) cells_->Reserve(file_bytes_ / (line->size() + 1) * 9 / 8);
+    for (; line; line = NextRow()) {
+      if (layout_.spare_cells && csv::BeginsLvmBlock(*line)) {
+        SetFailure(fmt::format("line {}: a second block begins; a record is one block: split the file", line_number_));
         return;
       }
-      if (count == width && cell->empty() && !more) return;  // a separator ends the line
-      if (count < width) Store(count, *cell, numbers);
+      ReadRow(*line);
     }
-    if (count != width) Report(fmt::format(": {} cells, the row of names has {}", count, width));
+    if (tail_.empty()) return;
+    record_.notes.push_back(fmt::format("{} line{} behind the rows {} skipped, line {} first: {}", tail_.size(),
+                                        tail_.size() == 1 ? "" : "s", tail_.size() == 1 ? "is" : "are", tail_[0].number,
+                                        tail_[0].text));
   }
 
-  void Store(std::size_t index, std::string_view cell, csv::NumberReader& numbers) {
-    Column& column = record_.columns[index];
-    double value = std::numeric_limits<double>::quiet_NaN();
-    if (!cell.empty()) {
-      if (const std::optional<double> number = numbers.Read(cell)) {
-        value = *number;
-      } else {
-        Report(fmt::format(", column {} ({}): {}", index + 1, column.name, numbers.Explain(cell)));
+  void ReadRow(const std::string_view line) {
+    const std::size_t width = cells_->width();
+    std::string_view rest = line;
+    std::size_t count = 0;
+    bool any = false, closed = false;
+    for (bool more = true; more; ++count) {
+      const std::optional<std::string_view> cell = csv::TakeCell(rest, layout_.separator, storage_, more);
+      if (!cell) {
+        Report(fmt::format("line {}, column {}: a quote is not closed, or text follows it", line_number_, count + 1));
+        return;
       }
+      if (count >= width) {
+        closed = true;
+        if (count == width && cell->empty() && !more) break;  // a separator ends the line
+        continue;
+      }
+      any = any || !cell->empty();
+      cells_->Store(count, *cell, line_number_);
+      if (count + 1 == width) last_cell_ = *cell;
     }
-    if (!std::isfinite(value) && first_bad_line_[index] == 0) first_bad_line_[index] = lines_.number();
-    column.values.push_back(value);
+    if (count < width || (count > width && !layout_.spare_cells)) {
+      cells_->DropRow(line_number_);
+      TakeOddRow(line, count);
+    } else if (!any && width > 1 && cells_->has_time()) {
+      cells_->DropRow(line_number_);
+      if (empty_rows_++ == 0) first_empty_line_ = line_number_;
+    } else {
+      KeepRow(any, closed);
+    }
   }
+
+  void KeepRow(bool any, bool closed) {
+    for (const Odd& odd : tail_) Report(odd.fault);
+    tail_.clear();
+    if (cells_->rows() > 0) all_closed_ = all_closed_ && last_closed_;
+    cells_->KeepRow();
+    cut_.Take(last_cell_);
+    last_closed_ = closed;
+    last_line_ = line_number_;
+    if (!any && empty_at_end_ == 0) empty_end_line_ = line_number_;
+    empty_at_end_ = any ? 0 : empty_at_end_ + 1;
+  }
+
+  /// A row with another number of cells: a fault, unless it is all words, and nothing but such lines follow.
+  void TakeOddRow(std::string_view line, std::size_t count) {
+    const bool cut = count < cells_->width() && at_ >= head_.size() && lines_.open_end();
+    std::string fault =
+        fmt::format("line {}: {} cell{}, the row of names has {}{}", line_number_, count, count == 1 ? "" : "s",
+                    cells_->width(), cut ? "; the file ends there without a line end, as if it were cut" : "");
+    const csv::Row row({line_number_, std::string(line)}, layout_.separator);
+    if (row.any_word && !row.any_number && tail_.size() < kMostBadRows) {
+      tail_.push_back({line_number_, Shown(line), std::move(fault)});
+    } else {
+      Report(std::move(fault));
+    }
+  }
+
+  /// Spreadsheets write rows of separators only, between the others and at the end.
+  void DropEmptyRows() {
+    if (empty_at_end_ > 0 && cells_->width() > 1) {
+      cells_->DropEmptyRows(empty_at_end_);
+      empty_rows_ += empty_at_end_;
+      if (first_empty_line_ == 0) first_empty_line_ = empty_end_line_;
+    }
+    if (empty_rows_ == 0) return;
+    record_.notes.push_back(fmt::format("{} row{} without any value {} left out, the first in line {}", empty_rows_,
+                                        empty_rows_ == 1 ? "" : "s", empty_rows_ == 1 ? "is" : "are",
+                                        first_empty_line_));
+  }
+
+  void DropCutRow() {
+    if (!lines_.open_end() || last_line_ != lines_.number() || last_closed_ || empty_at_end_ > 0 ||
+        cells_->rows() < 2 || !cells_->last_is_numeric() || (!all_closed_ && !cut_.MayBeCut(cells_->last_values()))) {
+      return;
+    }
+    cells_->DropRow(last_line_);
+    record_.notes.push_back(
+        fmt::format("line {}, the last, has no line end, and its last cell {} is shorter than those above: it may be "
+                    "cut, and the row is left out",
+                    last_line_, Shown(last_cell_)));
+  }
+
+  std::string NoColumn() const {
+    std::string text = "holds no column of numbers";
+    for (const auto& [name, why] : record_.left_out) text += fmt::format("; {} {}", Shown(name), why);
+    return text;
+  }
+
+  /// A row that may be one of words behind the table.
+  struct Odd {
+    std::size_t number;
+    std::string text, fault;
+  };
 
   csv::Lines lines_;
   std::size_t file_bytes_;
   Record record_;
-  char separator_ = ',';
-  std::size_t last_comment_ = 0;
-  std::string storage_;                      // of a quoted cell
-  std::vector<std::size_t> first_bad_line_;  // a column: line of its first value that is not finite, 0 none
+  std::vector<csv::HeadLine> head_;
+  csv::Layout layout_;
+  std::optional<csv::CellColumns> cells_;
+  std::size_t at_ = 0;  // next line of the head
+  std::size_t line_number_ = 0, last_line_ = 0, first_empty_line_ = 0, empty_end_line_ = 0;
+  std::string storage_;  // of a quoted cell
+  std::size_t empty_rows_ = 0, empty_at_end_ = 0;
+  bool last_closed_ = false, all_closed_ = true;  // by a separator: the last row, and all rows above it
+  csv::CutCheck cut_;
+  std::string last_cell_;
+  std::vector<Odd> tail_;
   std::vector<std::string> bad_;
   std::size_t bad_count_ = 0;
   std::string failure_;
 };
 
-/// A name or unit as a cell, quoted where it would not read back otherwise.
-std::string Quote(const std::string& text, char separator) {
-  const bool plain = text.find_first_of(std::string{separator, '"', ';', ',', '\t'}) == std::string::npos &&
-                     !text.starts_with('#') && csv::Trim(text) == text;
-  if (plain) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 }  // namespace
 
-Result<Record> ReadCsv(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
-  if (descriptor < 0) {
-    return Failure{.message = errno == ENOENT ? "there is no such file"
-                                              : "cannot be read: " + std::generic_category().message(errno),
-                   .signal = path.string(),
-                   .time_s = {},
-                   .exit_code = 2};
-  }
+Result<Record> ReadCsv(const std::filesystem::path& path, int skip) {
+  const auto fail = [&](std::string message) {
+    return Failure{.message = std::move(message), .signal = path.string(), .time_s = {}, .exit_code = 2};
+  };
+  // Before it is opened: a device may do something then.
   struct stat info = {};
-  const std::size_t bytes =
-      ::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode) ? static_cast<std::size_t>(info.st_size) : 0;
-  Result<Record> record = Reader(descriptor, path.string(), bytes).Read();
+  if (::stat(path.c_str(), &info) != 0) {
+    return fail(errno == ENOENT ? "there is no such file"
+                                : "cannot be read: " + std::generic_category().message(errno));
+  }
+  if (S_ISDIR(info.st_mode)) return fail("is a directory, not a file");
+  const bool pipe = S_ISFIFO(info.st_mode) || S_ISSOCK(info.st_mode);
+  if (!S_ISREG(info.st_mode) && !pipe) return fail("is a device: only files and pipes are read");
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0 || ::fstat(descriptor, &info) != 0) {
+    return fail("cannot be read: " + std::generic_category().message(errno));
+  }
+  const auto bytes = pipe ? 0 : static_cast<std::size_t>(info.st_size);
+  csv::Lines lines(descriptor, pipe ? kMostPipeBytes : bytes,
+                   pipe ? fmt::format("gave more than {} MB: a pipe may give no more, a file may", kMostPipeBytes >> 20)
+                        : fmt::format("grew beyond its {} bytes while it was read: wait until it is written", bytes));
+  for (int i = 0; i < skip && lines.Next(); ++i) {
+  }
+  Result<Record> record = Reader(std::move(lines), path.string(), bytes).Read();
   ::close(descriptor);
   return record;
-}
-
-Status WriteCsv(const std::filesystem::path& path, std::span<const Column> columns, char separator) {
-  const auto fail = [&](std::string message) {
-    return Failure{.message = std::move(message), .signal = path.string(), .time_s = {}, .exit_code = 3};
-  };
-  if (columns.empty()) return fail("there are no columns to write");
-  std::set<std::string> seen;
-  bool any_unit = false;
-  for (const Column& column : columns) {
-    if (column.values.size() != columns[0].values.size()) {
-      return fail(fmt::format("column \"{}\" has {} values, column \"{}\" has {}: one table needs equal lengths",
-                              column.name, column.values.size(), columns[0].name, columns[0].values.size()));
-    }
-    if (column.name.empty() || column.name.find_first_of("\r\n") != std::string::npos ||
-        !seen.insert(column.name).second) {
-      return fail(fmt::format("column name \"{}\" is empty, has a line end, or stands twice", column.name));
-    }
-    any_unit = any_unit || !column.unit.empty();
-  }
-  std::string text;
-  const auto write_row = [&](const auto& cell) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) text += separator;
-      cell(columns[i]);
-    }
-    text += '\n';
-  };
-  write_row([&](const Column& column) { text += Quote(column.name, separator); });
-  if (any_unit) {
-    write_row([&](const Column& column) { text += column.unit == "1" ? "-" : Quote(column.unit, separator); });
-  }
-  for (std::size_t row = 0; row < columns[0].values.size(); ++row) {
-    write_row([&](const Column& column) { fmt::format_to(std::back_inserter(text), "{}", column.values[row]); });
-  }
-  return WriteFileAtomically(path, text);
 }
 
 }  // namespace dynoproof::trace

@@ -8,38 +8,110 @@
 #include <charconv>
 #include <cstring>
 #include <system_error>
+#include <utility>
+
+#include "trace/text_safety.h"
 
 namespace dynoproof::trace::csv {
 
-Lines::Lines(int descriptor) : descriptor_(descriptor), buffer_(std::size_t{1} << 20, '\0') {
-  if (!Fill()) return;
-  const std::string_view start(buffer_.data(), end_);
-  if (start.starts_with("\xEF\xBB\xBF")) begin_ = 3;
-  if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF")) {
-    fault_ = "is UTF-16 text; save it as UTF-8";
-  } else if (start.starts_with("\x89HDF\r\n")) {
-    fault_ = "is an HDF5 file, not text";
-  } else if (start.substr(0, 4096).find('\0') != std::string_view::npos) {
-    fault_ = "is a binary file, not text";
+namespace {
+
+/// What a file is that is no text of columns, told by its first bytes.
+std::string Foreign(std::string_view start) {
+  static constexpr std::pair<std::string_view, const char*> kKinds[] = {
+      {"\xFF\xFE", "is UTF-16 text; save it as UTF-8"},
+      {"\xFE\xFF", "is UTF-16 text; save it as UTF-8"},
+      {"\x89HDF", "is an HDF5 file, not text: its name should end in .h5"},
+      {"MATLAB 5.0 MAT-file", "is a MAT file, not text: its name should end in .mat"},
+      {"MATLAB 7.3 MAT-file", "is a MAT file, not text: its name should end in .mat"},
+      {"PK\x03\x04", "is a zip archive or an Excel workbook, not text; save the sheet as CSV"},
+      {"\xD0\xCF\x11\xE0", "is an Excel workbook, not text; save the sheet as CSV"},
+      {"\x1F\x8B", "is compressed by gzip; unpack it first"},
+      {"MDF     ", "is an MDF file, not text; export it as CSV or MAT"},
+      {"UnFinMF ", "is an MDF file that was never finished; export it as CSV or MAT"},
+      {"TDSm", "is a TDMS file, not text; export it as CSV or LVM"},
+      {"%PDF-", "is a PDF file, not text of columns"},
+      {"<?xml", "is XML, not text of columns"},
+      {"<!DOCTYPE", "is a web page, not text of columns"},
+      {"<html", "is a web page, not text of columns"},
+  };
+  for (const auto& [first, what] : kKinds) {
+    if (start.starts_with(first)) return what;
   }
+  return "";
+}
+
+}  // namespace
+
+Lines::Lines(int descriptor, std::size_t most, std::string too_many)
+    : descriptor_(descriptor), most_(most), too_many_(std::move(too_many)), buffer_(std::size_t{1} << 20, '\0') {
+  constexpr std::size_t kLongestSignature = 20;
+  while (fault_.empty() && end_ < kLongestSignature && Fill()) {
+  }
+  const std::string_view start(buffer_.data(), end_ + returns_);
+  if (start.starts_with("\xEF\xBB\xBF")) begin_ = 3;
+  // A signature says more than the zero bytes that usually follow it.
+  if (const std::string what = Foreign(start); !what.empty()) fault_ = what;
 }
 
 bool Lines::Fill() {
   if (at_end_) return false;
   if (begin_ > 0) {
-    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ + returns_ - begin_);
     end_ -= begin_;
     begin_ = 0;
   }
-  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
-  for (;;) {
-    const ssize_t got = ::read(descriptor_, buffer_.data() + end_, buffer_.size() - end_);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fault_ = "cannot be read: " + std::generic_category().message(errno);
-    at_end_ = got <= 0;
-    if (got > 0) end_ += static_cast<std::size_t>(got);
-    return got > 0;
+  const std::size_t stop = end_ + returns_;
+  if (stop == buffer_.size()) buffer_.resize(2 * buffer_.size());
+  ssize_t got = 0;
+  do {
+    got = ::read(descriptor_, buffer_.data() + stop, buffer_.size() - stop);
+  } while (got < 0 && errno == EINTR);
+  if (got < 0) fault_ = "cannot be read: " + std::generic_category().message(errno);
+  at_end_ = got <= 0;
+  const auto bytes = static_cast<std::size_t>(std::max<ssize_t>(got, 0));
+  total_ += bytes;
+  if (total_ > most_) fault_ = too_many_;
+  if (const void* const zero = std::memchr(buffer_.data() + stop, '\0', bytes); zero != nullptr && fault_.empty()) {
+    const char* const unread = buffer_.data() + begin_;
+    const auto line = std::count(unread, static_cast<const char*>(zero), '\n') + 1;
+    fault_ = fmt::format("is a binary file, or a damaged one: there is a zero byte near line {}",
+                         number_ + static_cast<std::size_t>(line));
   }
+  const bool any = bytes > 0 || returns_ > 0;
+  TakeLineEnds(bytes);
+  return any;
+}
+
+void Lines::TakeLineEnds(std::size_t got) {
+  const std::size_t stop = end_ + returns_ + got;
+  if (returns_ == 0 && std::memchr(buffer_.data() + end_, '\r', got) == nullptr) {
+    end_ = stop;
+    return;
+  }
+  std::size_t to = end_;
+  for (std::size_t i = end_; i < stop;) {
+    std::size_t next = i;
+    while (next < stop && buffer_[next] == '\r') ++next;
+    if (next == i) {
+      buffer_[to++] = buffer_[i++];
+      continue;
+    }
+    if (next == stop && !at_end_) {
+      end_ = to;
+      returns_ = next - i;
+      std::fill_n(buffer_.begin() + static_cast<std::ptrdiff_t>(to), returns_, '\r');
+      return;
+    }
+    if (next < stop && buffer_[next] == '\n') {
+      i = next + 1;
+      buffer_[to++] = '\n';
+    } else {  // each ends a line of its own
+      for (; i < next; ++i) buffer_[to++] = '\n';
+    }
+  }
+  end_ = to;
+  returns_ = 0;
 }
 
 std::optional<std::string_view> Lines::Next() {
@@ -53,10 +125,10 @@ std::optional<std::string_view> Lines::Next() {
       continue;
     }
     if (!fault_.empty() || (found == nullptr && begin_ == end_)) return {};
-    const std::size_t stop = found == nullptr ? end_ : static_cast<std::size_t>(found - buffer_.data());
-    std::string_view line(buffer_.data() + begin_, stop - begin_);
-    begin_ = found == nullptr ? end_ : stop + 1;
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    open_end_ = found == nullptr;
+    const std::size_t stop = open_end_ ? end_ : static_cast<std::size_t>(found - buffer_.data());
+    const std::string_view line(buffer_.data() + begin_, stop - begin_);
+    begin_ = open_end_ ? end_ : stop + 1;
     ++number_;
     return line;
   }
@@ -68,25 +140,31 @@ std::string_view Trim(std::string_view text) {
   return text;
 }
 
-char FindSeparator(std::string_view header) {
-  bool quoted = false, tab = false;
-  for (const char c : header) {
-    if (c == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (c == ';') return ';';
-    tab = tab || c == '\t';
-  }
-  return tab ? '\t' : ',';
+namespace {
+
+/// Drops the separator at the front of `rest`, and says whether there was one.
+bool TakeSeparator(std::string_view& rest, char separator) {
+  if (rest.empty()) return false;
+  const bool blanks = separator == ' ' || separator == kWideBlanks;
+  rest.remove_prefix(blanks ? std::min(rest.find_first_not_of(" \t"), rest.size()) : 1);
+  return true;
 }
+
+std::size_t EndOfCell(std::string_view rest, char separator) {
+  if (separator == kWideBlanks) return std::min({rest.find("  "), rest.find('\t'), rest.size()});
+  return std::min(separator == ' ' ? rest.find_first_of(" \t") : rest.find(separator), rest.size());
+}
+
+}  // namespace
 
 std::optional<std::string_view> TakeCell(std::string_view& rest, char separator, std::string& storage, bool& more) {
   std::size_t start = 0;
   while (start < rest.size() && rest[start] == ' ') ++start;
   if (start == rest.size() || rest[start] != '"') {
-    const std::size_t end = std::min(rest.find(separator), rest.size());
+    const std::size_t end = EndOfCell(rest, separator);
     const std::string_view cell = Trim(rest.substr(0, end));
-    more = end < rest.size();
-    rest.remove_prefix(more ? end + 1 : end);
+    rest.remove_prefix(end);
+    more = TakeSeparator(rest, separator);
     return cell;
   }
   storage.clear();
@@ -100,11 +178,22 @@ std::optional<std::string_view> TakeCell(std::string_view& rest, char separator,
     storage += rest[i];
   }
   rest.remove_prefix(i + 1);
-  const std::size_t end = std::min(rest.find(separator), rest.size());
+  const std::size_t end = EndOfCell(rest, separator);
   if (!Trim(rest.substr(0, end)).empty()) return {};
-  more = end < rest.size();
-  rest.remove_prefix(more ? end + 1 : end);
+  rest.remove_prefix(end);
+  more = TakeSeparator(rest, separator);
   return Trim(storage);
+}
+
+std::optional<std::vector<std::string>> Split(std::string_view line, char separator) {
+  std::vector<std::string> cells;
+  std::string storage;
+  for (bool more = true; more;) {
+    const auto cell = TakeCell(line, separator, storage, more);
+    if (!cell) return {};
+    cells.emplace_back(*cell);
+  }
+  return cells;
 }
 
 std::optional<double> NumberReader::Read(std::string_view cell) {
@@ -128,6 +217,11 @@ std::optional<double> NumberReader::Read(std::string_view cell) {
   if (*begin == '+' && cell.size() > 1 && begin[1] != '-' && begin[1] != '+') ++begin;
   double value = 0.0;
   const auto [stop, error] = std::from_chars(begin, end, value);
+  if (stop != end && stop > begin && (*stop == 'd' || *stop == 'D')) {
+    std::string with_e(cell);
+    with_e[cell.size() - static_cast<std::size_t>(end - stop)] = 'e';
+    return Read(with_e);
+  }
   if (stop != end) return {};
   if (error == std::errc::result_out_of_range) {
     // Too large or too small, from_chars does not say which; a text that is too small has a negative exponent or opens
@@ -147,11 +241,14 @@ std::optional<double> NumberReader::Read(std::string_view cell) {
 }
 
 std::string NumberReader::Explain(std::string_view cell) const {
-  const std::string shown = fmt::format("\"{}\"{}", cell.substr(0, 40), cell.size() > 40 ? "..." : "");
-  NumberReader lenient(true);
-  if (lenient.Read(cell)) {
-    if (mark_ == 0) return shown + " has a decimal comma, which needs \";\" or tab between the cells";
-    return fmt::format("{} has another decimal mark than the numbers before, which have \"{}\"", shown, mark_);
+  const std::string shown = Shown(cell);
+  if (NumberReader(true).Read(cell)) {
+    if (mark_ != 0) {
+      return fmt::format("{} has another decimal mark than the other numbers, which have \"{}\"", shown, mark_);
+    }
+    if (LooksLikeThousands(cell))
+      return shown + " has a comma that may part thousands; write the decimal mark as a point";
+    return shown + " has a decimal comma, where no other number has one";
   }
   const std::size_t mark = cell.find_first_of(".,");
   const bool two_marks = mark != std::string_view::npos && cell.find_first_of(".,", mark + 1) != std::string_view::npos;
@@ -163,6 +260,13 @@ std::string NumberReader::Explain(std::string_view cell) const {
     return shown + " is outside the range of a double";
   }
   return shown + " is not a number";
+}
+
+bool LooksLikeThousands(std::string_view number) {
+  if (number.starts_with('-') || number.starts_with('+')) number.remove_prefix(1);
+  const std::size_t mark = number.find_first_of(".,");
+  return mark != std::string_view::npos && mark >= 1 && mark <= 3 && number.front() != '0' &&
+         number.size() == mark + 4 && number.find_first_not_of("0123456789", mark + 1) == std::string_view::npos;
 }
 
 }  // namespace dynoproof::trace::csv

@@ -9,7 +9,10 @@
 namespace dynoproof::trace {
 
 std::optional<std::size_t> Record::Find(std::string_view name) const {
-  const auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+  auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+  if (found == columns.end() && !name.empty()) {
+    found = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.heading == name; });
+  }
   if (found == columns.end()) return {};
   return static_cast<std::size_t>(found - columns.begin());
 }

@@ -22,6 +22,7 @@ struct Column {
   std::string unit = {};                 // as written; "" if the file names none
   std::vector<double> values = {};       // NaN where the file has NaN or an empty cell, see Record::non_finite
   std::optional<std::size_t> time = {};  // the column of its time stamps, if the file has one; none for a time column
+  std::string heading = {};              // what stands above it, where name and unit were told apart: "time [ms]"
 };
 
 /// Where a column is not finite. Row numbers start at 0, line numbers at 1; `first_line` is 0 for binary files.
@@ -39,9 +40,9 @@ struct Record {
   std::vector<NonFinite> non_finite;  // at most one entry a column; empty means every value is finite
   std::vector<std::string> notes;     // what a reader should know, one sentence each
   std::vector<std::pair<std::string, std::string>> left_out =
-      {};  // variables that are no columns: name, "is a cell ..."
+      {};  // what is no column of numbers: name, "is a cell ..."
 
-  /// The column of this name, or nothing.
+  /// The column of this name, or else of this heading, or nothing.
   std::optional<std::size_t> Find(std::string_view name) const;
   std::vector<std::string> Names() const;
   /// "column "x": 3 values are not finite, the first at line 17", one for each entry of `non_finite`.

@@ -5,7 +5,7 @@
 
 #include "tests/support/noisy_record.h"
 #include "tests/support/project.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {

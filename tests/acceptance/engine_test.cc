@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::test {

@@ -12,7 +12,7 @@
 #include "tests/support/browser.h"
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {

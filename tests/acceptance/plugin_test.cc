@@ -9,7 +9,7 @@
 
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/noisy_record.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {

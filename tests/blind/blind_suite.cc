@@ -23,7 +23,7 @@
 #include "tests/blind/blind_case.h"
 #include "tests/blind/independent_cases.h"
 #include "tests/blind/reference_cases.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::blind {
 namespace {
