@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <new>
@@ -17,37 +18,6 @@ std::mutex& LibraryMutex() {
 
 Failure BadData(std::string message) {
   return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2};
-}
-
-/// The text of an H5T_STRING type's raw bytes, without its padding.
-std::string Unpad(std::string text, H5T_str_t padding) {
-  if (padding == H5T_STR_SPACEPAD) {
-    text.resize(text.find_last_not_of(' ') + 1);
-  } else {
-    text.resize(std::min(text.find('\0'), text.size()));
-  }
-  return text;
-}
-
-/// Reads one string through `read(memory_type, buffer)`; fixed or variable length, as `file_type` says.
-template <class Read>
-bool ReadString(hid_t file_type, Read read, std::string& text) {
-  const htri_t variable = H5Tis_variable_str(file_type);
-  if (variable < 0) return false;
-  if (variable > 0) {
-    const Handle type(H5Tcopy(H5T_C_S1));
-    H5Tset_size(type.id(), H5T_VARIABLE);
-    H5Tset_cset(type.id(), H5Tget_cset(file_type));
-    char* raw = nullptr;
-    if (read(type.id(), &raw) < 0) return false;
-    text = raw == nullptr ? "" : raw;
-    H5free_memory(raw);
-    return true;
-  }
-  text.assign(H5Tget_size(file_type), '\0');
-  if (read(file_type, text.data()) < 0) return false;
-  text = Unpad(std::move(text), H5Tget_strpad(file_type));
-  return true;
 }
 
 /// A text's type: fixed length, so that the bytes do not wander into a heap of the file.
@@ -108,6 +78,39 @@ Result<Handle> OpenFile(const std::string& path) {
   return file;
 }
 
+void StayInFile() {
+  // In place of the library's own kind of such links: one that is not followed, but still says where it leads.
+  H5L_class_t stay = {};
+  stay.version = H5L_LINK_CLASS_T_VERS;
+  stay.id = H5L_TYPE_EXTERNAL;
+  stay.comment = "external";
+  stay.trav_func = [](const char*, hid_t, const void*, std::size_t, hid_t, hid_t) -> hid_t { return H5I_INVALID_HID; };
+  stay.query_func = [](const char*, const void* data, std::size_t size, void* out, std::size_t room) -> ssize_t {
+    if (out != nullptr) std::memcpy(out, data, std::min(size, room));
+    return static_cast<ssize_t>(size);
+  };
+  H5Lregister(&stay);
+}
+
+std::string LinkOut(hid_t location, const std::string& path) {
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    const std::string part = path.substr(0, end);
+    H5L_info_t info = {};
+    if (part.empty() || H5Lget_info(location, part.c_str(), &info, H5P_DEFAULT) < 0) return "";
+    if (info.type == H5L_TYPE_EXTERNAL) {
+      std::vector<char> value(info.u.val_size);
+      unsigned flags = 0;
+      const char* file = nullptr;
+      const char* object = nullptr;
+      if (value.empty() || H5Lget_val(location, part.c_str(), value.data(), value.size(), H5P_DEFAULT) < 0 ||
+          H5Lunpack_elink_val(value.data(), value.size(), &flags, &file, &object) < 0)
+        return "?";
+      return file;
+    }
+    if (end == std::string::npos) return "";
+  }
+}
+
 Kind KindOf(hid_t location, const std::string& path) {
   const Handle object(H5Oopen(location, path.c_str(), H5P_DEFAULT));
   if (!object.valid()) {
@@ -125,7 +128,13 @@ Result<Handle> OpenGroup(hid_t location, const std::string& path) {
 
 Result<Handle> OpenDataset(hid_t location, const std::string& path, const std::string& shown) {
   Handle dataset(H5Dopen2(location, path.c_str(), H5P_DEFAULT));
-  if (!dataset.valid()) return LastError(fmt::format("there is no dataset \"{}\"", shown.empty() ? path : shown));
+  if (!dataset.valid()) {
+    Failure failure = LastError(fmt::format("there is no dataset \"{}\"", shown.empty() ? path : shown));
+    if (const std::string other = LinkOut(location, path); !other.empty())
+      return BadData(fmt::format("\"{}\" is a link into another file, \"{}\", which is not followed",
+                                 shown.empty() ? path : shown, other));
+    return failure;
+  }
   return dataset;
 }
 
@@ -174,80 +183,6 @@ std::vector<std::size_t> Shape(hid_t dataset) {
   std::vector<hsize_t> extents(static_cast<std::size_t>(std::max(rank, 0)));
   if (!extents.empty()) H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr);
   return {extents.begin(), extents.end()};
-}
-
-Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name) {
-  const Handle type(H5Dget_type(dataset));
-  const H5T_class_t type_class = H5Tget_class(type.id());
-  if (type_class != H5T_FLOAT && type_class != H5T_INTEGER) {
-    return BadData(fmt::format("dataset \"{}\" does not hold numbers", name));
-  }
-  const Handle space(H5Dget_space(dataset));
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  if (count < 0) return LastError(fmt::format("dataset \"{}\" has no readable extent", name));
-  // A damaged header may promise any extent. Deflate cannot shrink by more than about 1032; values that the file does
-  // not hold at all would come back as silent zeros.
-  const hsize_t stored = H5Dget_storage_size(dataset);
-  constexpr hsize_t kLargestRatio = 1100;
-  if (count > 0 && static_cast<hsize_t>(count) * H5Tget_size(type.id()) / kLargestRatio > stored) {
-    return BadData(fmt::format("dataset \"{}\" promises {} values, but only {} bytes are stored", name, count, stored));
-  }
-  if (count > 0 && stored == 0) {
-    return BadData(fmt::format("dataset \"{}\" promises {} values, but none are stored", name, count));
-  }
-  try {
-    std::vector<double> values(static_cast<std::size_t>(count));
-    if (count > 0 && H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-      return LastError(fmt::format("dataset \"{}\" cannot be read", name));
-    }
-    return values;
-  } catch (const std::bad_alloc&) {
-    return BadData(fmt::format("dataset \"{}\" with {} values does not fit into memory", name, count));
-  }
-}
-
-Result<std::string> ReadText(hid_t dataset, const std::string& name) {
-  const Handle type(H5Dget_type(dataset));
-  if (H5Tget_class(type.id()) != H5T_STRING || !Shape(dataset).empty()) {
-    return BadData(fmt::format("dataset \"{}\" is not one text", name));
-  }
-  std::string text;
-  const auto read = [&](hid_t memory_type, void* out) {
-    return H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out);
-  };
-  if (!ReadString(type.id(), read, text)) return LastError(fmt::format("dataset \"{}\" cannot be read", name));
-  return text;
-}
-
-Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
-  const htri_t exists = H5Aexists(object, name.c_str());
-  if (exists == 0) return Attribute{};
-  const auto broken = [&] { return LastError(fmt::format("attribute \"{}\" cannot be read", name)); };
-  const Handle attribute(exists < 0 ? H5I_INVALID_HID : H5Aopen(object, name.c_str(), H5P_DEFAULT));
-  if (!attribute.valid()) return broken();
-  const Handle space(H5Aget_space(attribute.id()));
-  const Handle type(H5Aget_type(attribute.id()));
-  if (H5Sget_simple_extent_npoints(space.id()) != 1) return Attribute{};
-  switch (H5Tget_class(type.id())) {
-    case H5T_STRING: {
-      std::string text;
-      const auto read = [&](hid_t memory_type, void* out) { return H5Aread(attribute.id(), memory_type, out); };
-      if (!ReadString(type.id(), read, text)) return broken();
-      return Attribute(std::move(text));
-    }
-    case H5T_INTEGER: {
-      std::int64_t value = 0;
-      if (H5Aread(attribute.id(), H5T_NATIVE_INT64, &value) < 0) return broken();
-      return Attribute(value);
-    }
-    case H5T_FLOAT: {
-      double value = 0.0;
-      if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) < 0) return broken();
-      return Attribute(value);
-    }
-    default:
-      return Attribute{};
-  }
 }
 
 void* MemoryFile::Resize(void*, std::size_t bytes, H5FD_file_image_op_t, void* self) {

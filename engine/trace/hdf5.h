@@ -12,7 +12,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "base/status.h"
@@ -65,6 +64,11 @@ Failure LastError(std::string_view what);
 /// Opens a file for reading. Tells apart: not there, a folder, not HDF5 at all, HDF5 but damaged.
 Result<Handle> OpenFile(const std::string& path);
 
+/// From here on this process follows no link into another file. For processes that only read (hdf5_apart.h).
+void StayInFile();
+/// The file that the path leads into by a link, or "".
+std::string LinkOut(hid_t location, const std::string& path);
+
 enum class Kind { kMissing, kBroken, kGroup, kDataset, kOther };
 /// What `path` is, seen from `location`; kBroken: the name is there, but nothing can be opened behind it.
 Kind KindOf(hid_t location, const std::string& path);
@@ -80,15 +84,6 @@ Result<std::vector<std::string>> AttributeNames(hid_t object);
 
 /// The extents of a dataset, slowest first; empty for a scalar.
 std::vector<std::size_t> Shape(hid_t dataset);
-/// All numbers of a dataset, row by row. Integer and floating-point types of any width are converted. Failures: not
-/// numbers, damaged data (a checksum does not hold), or an extent that the bytes in the file cannot fill.
-Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name);
-/// The text in a scalar string dataset (fixed or variable length).
-Result<std::string> ReadText(hid_t dataset, const std::string& name);
-
-/// An attribute: nothing if it is missing or of a kind not used here (compound, array, ...).
-using Attribute = std::variant<std::monostate, std::string, double, std::int64_t>;
-Result<Attribute> ReadAttribute(hid_t object, const std::string& name);
 
 // --- writing: a file that lives in memory. Equal calls give equal bytes: no object times, fixed format version. ---
 

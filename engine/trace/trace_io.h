@@ -39,10 +39,11 @@ Result<std::vector<std::byte>> ToImage(const Trace& trace, const WriteOptions& o
 /// `signal` = path): as ToImage() and WriteFileAtomically(); what was under the name is untouched then.
 Status WriteTrace(const std::filesystem::path& path, const Trace& trace, const WriteOptions& options = {});
 
-/// Reads a file in the layout above. Unknown further objects and attributes are ignored; missing attributes take the
-/// defaults of Signal; `/scenario` and `/provenance` may be missing; integers and float32 are converted. Failure (exit
-/// code 2, `signal` = path): not HDF5, damaged, `/time` or `/signals` missing, wrong rank, and all that Validate()
-/// says.
+/// Reads a file in the layout above, in a process of its own (hdf5_apart.h). Unknown further objects are ignored, and
+/// attributes that change no values (hdf5_meaning.h); missing attributes take the defaults of Signal; `/scenario` and
+/// `/provenance` may be missing; integers and float32 are converted; times whose unit is another than s become seconds.
+/// Failure (exit code 2, `signal` = path): not HDF5, damaged, `/time` or `/signals` missing, wrong rank, values that the
+/// file does not hold (hdf5_values.h), and all that Validate() says.
 Result<Trace> ReadTrace(const std::filesystem::path& path);
 
 /// The same without the final Validate(): for measured records, whose faults are reported one by one (csv.h, record.h).
