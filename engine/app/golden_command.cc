@@ -22,9 +22,19 @@
 namespace dynoproof::app {
 namespace {
 
-int Compare(const Common& common, const std::string& a, const std::string& b, const std::string& tolerance_file) {
+/// The tolerance file beside a golden trace that was written for this very trace; empty where there is none.
+std::string ToleranceFileOf(const std::string& trace_file) {
+  const std::string file = std::filesystem::path(trace_file).replace_extension(".toml").string();
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return "";
+  const Result<GoldenTolerances> read = ReadTolerances(file);
+  return read.ok() && IsGoldenPair(*read, trace_file) ? file : "";
+}
+
+int Compare(const Common& common, const std::string& a, const std::string& b, const std::string& given) {
   Diagnostics diagnostics;
   GoldenTolerances tolerances;
+  const std::string own = given.empty() ? ToleranceFileOf(a) : "", tolerance_file = given.empty() ? own : given;
   if (!tolerance_file.empty()) {
     const Result<GoldenTolerances> read = ReadTolerances(tolerance_file);
     if (read.ok()) {
@@ -37,17 +47,25 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
   for (const auto* trace : {&left, &right}) {
     if (!trace->ok()) diagnostics.Error({trace->failure().signal}, trace->failure().message);
   }
+  if (left.ok() && right.ok()) CheckTolerances(tolerances.signals, *left, *right, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
   ScenarioResult result;
   result.id = b;
   result.trace_file = b;
-  result.checks = CompareTraces(*left, *right, tolerances.For(right->provenance.Text("solver").value_or("")), "tube");
+  // The tolerances of a golden trace tell how long the run was that it was thinned out of.
+  const bool thinned = tolerances.run.samples > static_cast<std::int64_t>(left->time.size());
+  result.checks = CompareTraces(*left, *right, tolerances.For(right->provenance.Text("solver").value_or("")), "tube",
+                                thinned ? ReferenceIs::kThinned : ReferenceIs::kWhole, &result.notes);
+  if (!own.empty()) result.notes.push_back("tolerances of " + own);
   result.verdict = score::Combine(result.checks);
   const std::vector<ScenarioResult> results = {result};
   const bool colour = ColourOn(common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
   Print(common, reports::ToTable(results, colour));
+  if (result.verdict == score::Verdict::kPass) {  // else the cards below say them
+    for (const std::string& note : result.notes) Print(common, fmt::format("\nnote: {}\n", note));
+  }
   std::string again = fmt::format("dynoproof compare {} {}", ShellQuoted(a), ShellQuoted(b));
-  if (!tolerance_file.empty()) again += " --tolerance " + ShellQuoted(tolerance_file);
+  if (!given.empty()) again += " --tolerance " + ShellQuoted(given);
   Print(common, reports::ToCards(results, {{b, again}}, colour));
   const int exit = reports::ExitCode(results);
   KeepJson(reports::ToJson(results));
@@ -225,7 +243,8 @@ void AddCompare(CLI::App& program, int& exit) {
   command->add_option("A.h5", arguments->a, "the reference")->required();
   command->add_option("B.h5", arguments->b, "the trace that is judged")->required();
   command->add_option("--tolerance", arguments->tolerance,
-                      "TOML with [signal.NAME] relative_width, time_half_width_s, origin");
+                      "TOML with [signal.NAME] relative_width, time_half_width_s, origin (default: that of a golden "
+                      "A.h5 beside it)");
   AddCommon(*command, arguments->common);
   AddExamples(*command, "  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
   command->callback(

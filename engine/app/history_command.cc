@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -10,6 +11,7 @@
 
 #include "app/app.h"
 #include "base/cpu.h"
+#include "base/text.h"
 #include "experiment/run_scenario.h"
 #include "history/watch.h"
 #include "reports/run_report.h"
@@ -60,10 +62,10 @@ int Add(const HistoryArguments& arguments) {
   }
   std::vector<history::Reading> readings;
   for (const std::string& file : arguments.files) {
-    std::ifstream stream(file);
-    const nlohmann::json document = nlohmann::json::parse(stream, nullptr, false);
+    const std::optional<std::string> text = ReadTextFile(file);
+    const nlohmann::json document = history::ParseResult(text.value_or(""));
     const Result<std::vector<history::Reading>> read =
-        document.is_discarded() ? Failure{.message = stream ? "is no JSON" : "cannot be read", .exit_code = 2}
+        document.is_discarded() ? Failure{.message = text ? "is no JSON" : "cannot be read", .exit_code = 2}
                                 : history::Readings(document);
     if (!read.ok()) {
       Complain(fmt::format("{}: {}\n", file, read.failure().message));
@@ -75,13 +77,31 @@ int Add(const HistoryArguments& arguments) {
   if (exit != kGood) return exit;  // all files or none
   Result<history::Store> store = history::Store::Open(arguments.database, true);
   if (!store.ok()) return Fail(store.failure());
-  const history::Night night{arguments.time.empty() ? Now() : arguments.time,
-                             arguments.commit.empty() ? *BuildProvenance().Text("commit") : arguments.commit,
-                             arguments.machine.empty() ? MachineClass() : arguments.machine};
-  if (Status failed = store->Add(night, readings)) return Fail(*failed);
+  history::Night night{arguments.time.empty() ? Now() : arguments.time,
+                       arguments.commit.empty() ? *BuildProvenance().Text("commit") : arguments.commit,
+                       arguments.machine.empty() ? MachineClass() : arguments.machine};
+  // Who names a time may add to that night; who does not begins one, even within the second of the last.
+  if (arguments.time.empty()) {
+    const Result<history::Night> added = store->AddNight(night, readings);
+    if (!added.ok()) return Fail(added.failure());
+    night = *added;
+  } else if (Status failed = store->Add(night, readings)) {
+    return Fail(*failed);
+  }
+  std::vector<std::string> missing;
+  for (const history::Reading& reading : readings) {
+    if (reading.scatters && !reading.value) missing.push_back(reading.series);
+  }
   Print(arguments.common, fmt::format("{}: {} readings of {}, commit {}, on {}\n", arguments.database, readings.size(),
                                       night.time, night.commit, night.machine));
-  KeepJson({{"readings", readings.size()}, {"time", night.time}, {"commit", night.commit}, {"machine", night.machine}});
+  if (!missing.empty()) {
+    Complain(fmt::format("no time, because it failed, was skipped or is not above 0: {}\n", fmt::join(missing, ", ")));
+  }
+  KeepJson({{"readings", readings.size()},
+            {"without_value", missing},
+            {"time", night.time},
+            {"commit", night.commit},
+            {"machine", night.machine}});
   return kGood;
 }
 
@@ -107,6 +127,17 @@ std::string Sparkline(const history::Series& series, std::size_t last) {
   return text;
 }
 
+nlohmann::json OrNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(); }
+
+/// "338.9 -> 349 instructions", or what a series that is missing had last.
+std::string Change(const Finding& finding, const std::string& unit) {
+  const std::string shown = unit == "1" ? "" : " " + unit;
+  if (finding.kind != Finding::Kind::kMissing)
+    return fmt::format("{:.6g} -> {:.6g}{}", finding.before, finding.after, shown);
+  return std::isfinite(finding.before) ? fmt::format("no reading, last {:.6g}{}", finding.before, shown)
+                                       : "no reading, nor ever one";
+}
+
 nlohmann::json ToJson(const History& history, const history::Watch& watch) {
   nlohmann::json document = {{"nights", history.nights.size()},
                              {"compared", watch.compared},
@@ -118,8 +149,8 @@ nlohmann::json ToJson(const History& history, const history::Watch& watch) {
                                     {"unit", history.series[finding.series].unit},
                                     {"since", history.nights[finding.night].time},
                                     {"commit", history.nights[finding.night].commit},
-                                    {"before", finding.before},
-                                    {"after", finding.after},
+                                    {"before", OrNull(finding.before)},
+                                    {"after", OrNull(finding.after)},
                                     {"p", finding.p},
                                     {"recent", finding.recent}});
   }
@@ -170,11 +201,12 @@ int Check(const HistoryArguments& arguments) {
   for (const Finding& finding : watch.findings) {
     if (!finding.recent) continue;
     const history::Series& series = history->series[finding.series];
-    Print(arguments.common,
-          fmt::format("{:<8} {:<64} {:.6g} -> {:.6g} {} since {} (commit {}{})\n", ToString(finding.kind), series.name,
-                      finding.before, finding.after, series.unit == "1" ? "" : series.unit,
-                      history->nights[finding.night].time, history->nights[finding.night].commit,
-                      series.scatters ? fmt::format(", p = {:.1e}", finding.p) : ""));
+    Print(
+        arguments.common,
+        fmt::format(
+            "{:<8} {:<64} {} since {} (commit {}{})\n", ToString(finding.kind), series.name,
+            Change(finding, series.unit), history->nights[finding.night].time, history->nights[finding.night].commit,
+            series.scatters && finding.kind != Finding::Kind::kMissing ? fmt::format(", p = {:.1e}", finding.p) : ""));
   }
   Print(arguments.common, fmt::format("{} nights, {} series compared, {} too short yet\n", history->nights.size(),
                                       watch.compared, watch.too_short));

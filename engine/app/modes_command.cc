@@ -40,7 +40,8 @@ nlohmann::json ToJson(const std::string& id, const LinearAnalysis& analysis) {
   nlohmann::json document = {{"id", id},
                              {"modes", nlohmann::json::array()},
                              {"practical_resonances", nlohmann::json::array()},
-                             {"zeros", nlohmann::json::array()}};
+                             {"zeros", nlohmann::json::array()},
+                             {"notes", analysis.notes}};
   for (const mechanics::Mode& mode : analysis.modal.modes) {
     nlohmann::json one = {{"frequency_hz", mode.frequency_hz},
                           {"damping_ratio", mode.damping_ratio},
@@ -58,6 +59,7 @@ nlohmann::json ToJson(const std::string& id, const LinearAnalysis& analysis) {
   for (const mechanics::Zero& zero : analysis.zeros.zeros) {
     document["zeros"].push_back({{"frequency_hz", zero.frequency_hz}, {"damping_ratio", zero.damping_ratio}});
   }
+  if (!analysis.no_zeros.empty()) document["notes"].push_back("no zeros: " + analysis.no_zeros);
   return document;
 }
 
@@ -86,10 +88,12 @@ std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& setti
                         one.unbounded ? "unbounded (undamped)" : fmt::format("{:.4g}", one.gain));
   }
   text += "\nzeros\n";
+  if (!analysis.no_zeros.empty()) text += fmt::format("      none: {}\n", analysis.no_zeros);
   for (const mechanics::Zero& one : analysis.zeros.zeros) {
     if (!one.oscillatory || one.frequency_hz > settings.to_Hz) continue;
     text += fmt::format("      {:>12.3f}  damping {:.5f}\n", one.frequency_hz, one.damping_ratio);
   }
+  for (const std::string& note : analysis.notes) text += fmt::format("\nnote: {}\n", note);
   return text;
 }
 

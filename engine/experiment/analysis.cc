@@ -86,6 +86,23 @@ Result<mechanics::TransferFunction> TransferOf(const Rig& rig, const AnalysisSet
   return mechanics::TransferFunction::Build(*network, weights, {kind, terms[0].index});
 }
 
+namespace {
+
+/// Shafts that the linearised line does not have: a law without a linear part (a clutch, a cubic spring) is open in it.
+std::vector<std::string> OpenShafts(const mechanics::Network& network) {
+  std::vector<std::string> notes;
+  for (const mechanics::Edge& edge : network.edges) {
+    if (edge.to == mechanics::kGround || edge.stiffness > 0.0 || edge.damping > 0.0) continue;
+    notes.push_back(
+        fmt::format("shaft \"{}\" has no linear part: modes and zeros are those of the line with it open, "
+                    "as if it transmitted nothing",
+                    edge.name));
+  }
+  return notes;
+}
+
+}  // namespace
+
 Result<LinearAnalysis> Analyse(const Rig& rig, const AnalysisSettings& settings) {
   const Result<mechanics::TransferFunction> transfer = TransferOf(rig, settings);
   if (!transfer.ok()) return transfer.failure();
@@ -94,9 +111,16 @@ Result<LinearAnalysis> Analyse(const Rig& rig, const AnalysisSettings& settings)
   if (!modal.ok()) return modal.failure();
   auto resonances = mechanics::PracticalResonances(*transfer, settings.from_Hz, settings.to_Hz);
   if (!resonances.ok()) return resonances.failure();
+  LinearAnalysis analysis{network, std::move(*modal), std::move(*resonances), {}, {}, OpenShafts(*network)};
   auto zeros = mechanics::TransferZeros(*network, transfer->input(), transfer->output());
-  if (!zeros.ok()) return zeros.failure();
-  return LinearAnalysis{network, std::move(*modal), std::move(*resonances), std::move(*zeros)};
+  if (zeros.ok()) {
+    analysis.zeros = std::move(*zeros);
+  } else if (zeros.failure().exit_code == 2) {  // the line and its modes are sound: the output is not reached
+    analysis.no_zeros = zeros.failure().message;
+  } else {
+    return zeros.failure();
+  }
+  return analysis;
 }
 
 }  // namespace dynoproof

@@ -34,7 +34,9 @@ struct LinearAnalysis {
   const mechanics::Network* network;  // of the rig's plant
   mechanics::ModalAnalysis modal;
   std::vector<mechanics::Resonance> resonances;
-  mechanics::ZeroAnalysis zeros;
+  mechanics::ZeroAnalysis zeros;   // empty where the input does not reach the output,
+  std::string no_zeros = {};       // which this says then
+  std::vector<std::string> notes;  // what the linearised line leaves out
 };
 
 /// The transfer function from the input to the output; fails (exit code 2) when the plant is no drive line, or the

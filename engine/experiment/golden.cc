@@ -6,15 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "experiment/measured_record.h"
-#include "experiment/why.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
-#include "score/tube.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof {
@@ -36,43 +33,14 @@ std::vector<double> EveryNth(const std::vector<double>& values, std::size_t n) {
   return thin;
 }
 
-score::Check Failed(const std::string& name, const std::string& kind, std::string why) {
-  score::Check check;
-  check.name = name;
-  check.kind = kind;
-  check.value = std::numeric_limits<double>::quiet_NaN();
-  check.limit = 1.0;
-  check.unit = "1";
-  check.origin = "a comparison that does not happen proves nothing";
-  check.explanation = std::move(why);
-  return check;
-}
-
-score::Interpolation ToScore(trace::Interpolation interpolation) {
-  return interpolation == trace::Interpolation::kHold ? score::Interpolation::kHold : score::Interpolation::kLinear;
-}
-
-/// The samples of `test` at exactly the times of `reference`; empty when it lacks one (within a millionth of a step).
-std::vector<double> SamplesAt(std::span<const double> times, std::span<const double> test_time,
-                              std::span<const double> values) {
-  std::vector<double> samples;
-  const double slack = 1e-6 * score::MedianStep(test_time);
-  for (const double time : times) {
-    const auto it = std::lower_bound(test_time.begin(), test_time.end(), time - slack);
-    if (it == test_time.end() || *it > time + slack) return {};
-    samples.push_back(values[it - test_time.begin()]);
-  }
-  return samples;
-}
-
 /// The run's length and its solver's counters, which the thinned golden trace does not show.
 std::vector<score::Check> CompareLengthAndCost(const GoldenTolerances::OfRun& golden, const trace::Trace& run) {
   const bool same = run.time.size() == static_cast<std::size_t>(golden.samples) && !run.time.empty() &&
                     std::abs(run.time.back() - golden.end_s) <= 1e-9;
   if (!same) {
-    return {Failed("golden length", "tube",
-                   fmt::format("{} samples to {:.9g} s, golden {} to {:.9g} s", run.time.size(),
-                               run.time.empty() ? 0.0 : run.time.back(), golden.samples, golden.end_s))};
+    return {NotCompared("golden length", "tube",
+                        fmt::format("{} samples to {:.9g} s, golden {} to {:.9g} s", run.time.size(),
+                                    run.time.empty() ? 0.0 : run.time.back(), golden.samples, golden.end_s))};
   }
   std::vector<score::Check> checks = {
       score::AtMost("golden length", "tube", 0.0, 0.0, "s", "samples and last time are exact", "")};
@@ -151,8 +119,8 @@ void AllowOtherSolver(double distance, const std::string& own, const std::string
 
 }  // namespace
 
-std::map<std::string, GoldenTolerances::OfSignal> GoldenTolerances::For(const std::string& solver) const {
-  std::map<std::string, OfSignal> widths = signals;
+SignalTolerances GoldenTolerances::For(const std::string& solver) const {
+  SignalTolerances widths = signals;
   if (run.solver.empty() || solver == run.solver) return widths;
   for (auto& [name, of] : widths) {
     of.relative_width = of.other_solver_width;
@@ -186,11 +154,11 @@ bool IsOfGolden(const score::Check& check) { return check.stated == GoldenCheck:
 std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan& plan) {
   if (std::error_code error; ComparesWithGolden(StatedChecks(plan)) || !fs::exists(place.trace, error))
     return std::nullopt;
-  score::Check check =
-      Failed("golden", "tube",
-             fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "
-                         "the check, or delete the data",
-                         place.trace));
+  score::Check check = NotCompared(
+      "golden", "tube",
+      fmt::format("there is golden data, {}, and no [[check]] with kind = \"golden\" compares with it; state "
+                  "the check, or delete the data",
+                  place.trace));
   check.stated = GoldenCheck::kName;
   return check;
 }
@@ -222,9 +190,14 @@ Result<GoldenTolerances> ReadTolerances(const std::string& file) {
     if (!ReadParams(entry.value, tolerance, diagnostics, "signal." + entry.key)) {
       return Failure{.message = diagnostics.Format(), .signal = file, .exit_code = 2};
     }
+    tolerance.where = entry.where;
     tolerances.signals[entry.key] = tolerance;
   }
   return tolerances;
+}
+
+bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_file) {
+  return !tolerances.trace_sha256.empty() && tolerances.trace_sha256 == HashOf(trace_file);
 }
 
 trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes) {
@@ -244,95 +217,41 @@ trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes) {
   return thin;
 }
 
-std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
-                                        const std::map<std::string, GoldenTolerances::OfSignal>& tolerances,
-                                        const std::string& kind) {
-  std::vector<score::Check> checks;
-  for (const trace::Signal& want : reference.signals) {
-    const std::string name = kind + " " + want.name;
-    const trace::Signal* have = test.Find(want.name);
-    if (have == nullptr) {
-      checks.push_back(Failed(name, kind, fmt::format("the run has no signal \"{}\"", want.name)));
-      continue;
-    }
-    if (have->unit != want.unit) {
-      checks.push_back(Failed(name, kind, fmt::format("unit \"{}\" instead of \"{}\"", have->unit, want.unit)));
-      continue;
-    }
-    const std::span<const double> times = reference.TimeOf(want), test_times = test.TimeOf(*have);
-    const std::vector<double> samples = SamplesAt(times, test_times, have->values);
-    if (samples.empty()) {
-      checks.push_back(Failed(
-          name, kind,
-          fmt::format("other time stamps: {} samples from {} to {} s", test_times.size(),
-                      test_times.empty() ? 0.0 : test_times.front(), test_times.empty() ? 0.0 : test_times.back())));
-      continue;
-    }
-    if (test_times.back() > times.back() + (times.size() > 1 ? 1.5 * (times.back() - times[times.size() - 2]) : 0.0)) {
-      checks.push_back(
-          Failed(name, kind,
-                 fmt::format("the run goes on to {} s, the reference ends at {} s", test_times.back(), times.back())));
-      continue;
-    }
-    const auto found = tolerances.find(want.name);
-    const GoldenTolerances::OfSignal tolerance =
-        found == tolerances.end() ? GoldenTolerances::OfSignal{} : found->second;
-    const score::Series golden{times, want.values, ToScore(want.interpolation)},
-        run{times, samples, ToScore(want.interpolation)};
-    score::TubeOptions options;
-    options.relative_width = tolerance.relative_width;
-    options.nominal = want.nominal;
-    options.time_half_width_s = tolerance.time_half_width_s;
-    const score::TubeResult result = score::CompareTube(golden, run, options);
-    score::Check check = score::TubeCheck(result, name, tolerance.origin);
-    check.kind = kind == "golden" ? "tube" : kind;
-    check.evidence = score::TubeEvidence({want.name, want.unit, kind, "run"}, golden, result, options);
-    if (check.verdict != score::Verdict::kPass && score::FaultOf(run, "run").empty()) {
-      // All samples of the run: they show a delay that is shorter than the thinned trace's step.
-      const score::Series all{test_times, have->values, ToScore(have->interpolation)};
-      const bool sound = score::FaultOf(all, "run").empty();
-      check.explanation = Why(golden, sound ? all : run, tolerance.relative_width * want.nominal, want.unit);
-    }
-    checks.push_back(std::move(check));
-  }
-  for (const trace::Signal& have : test.signals) {
-    if (reference.Find(have.name) != nullptr) continue;
-    checks.push_back(
-        Failed(kind + " " + have.name, kind, fmt::format("the reference has no signal \"{}\"", have.name)));
-  }
-  return checks;
-}
-
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run) {
   const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
   if (!golden.ok()) {
-    return {Failed("golden", "tube",
-                   fmt::format("{}; if this run is right: {}", golden.failure().ToString(), place.bless))};
+    return {NotCompared("golden", "tube",
+                        fmt::format("{}; if this run is right: {}", golden.failure().ToString(), place.bless))};
   }
   const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
-  if (!tolerances.ok()) return {Failed("golden", "tube", tolerances.failure().ToString())};
+  if (!tolerances.ok()) return {NotCompared("golden", "tube", tolerances.failure().ToString())};
   const std::string solver = run.provenance.Text("solver").value_or("");
-  const std::map<std::string, GoldenTolerances::OfSignal> widths = tolerances->For(solver);
+  const SignalTolerances widths = tolerances->For(solver);
   std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
   if (!tolerances->trace_sha256.empty() && tolerances->trace_sha256 != HashOf(place.trace)) {
-    checks.push_back(
-        Failed("golden trace", "tube",
-               fmt::format("{} is not the trace that its tolerance file was written for (SHA-256 differs): take both "
-                           "from one commit, or bless the scenario anew: {}",
-                           place.trace, place.bless)));
+    checks.push_back(NotCompared(
+        "golden trace", "tube",
+        fmt::format("{} is not the trace that its tolerance file was written for (SHA-256 differs): take both "
+                    "from one commit, or bless the scenario anew: {}",
+                    place.trace, place.bless)));
   }
   for (score::Check& check : CompareChecks(tolerances->checks, plan)) checks.push_back(std::move(check));
   for (const trace::Signal& signal : golden->signals) {
     const auto of = widths.find(signal.name);
     if (of == widths.end() || of->second.relative_width > 0.0) continue;
-    checks.push_back(Failed("golden " + signal.name, "tube",
-                            fmt::format("the golden run is of `{}`, and how far `{}` may be from it is not known{}{}; "
-                                        "bless the scenario anew: {}",
-                                        tolerances->run.solver, solver, of->second.origin.empty() ? "" : ": ",
-                                        of->second.origin, place.bless)));
+    checks.push_back(
+        NotCompared("golden " + signal.name, "tube",
+                    fmt::format("the golden run is of `{}`, and how far `{}` may be from it is not known{}{}; "
+                                "bless the scenario anew: {}",
+                                tolerances->run.solver, solver, of->second.origin.empty() ? "" : ": ",
+                                of->second.origin, place.bless)));
     return checks;
   }
-  for (score::Check& check : CompareTraces(*golden, run, widths, "golden")) checks.push_back(std::move(check));
+  Diagnostics of_nothing;
+  CheckTolerances(widths, *golden, run, of_nothing);
+  if (of_nothing.has_errors()) checks.push_back(NotCompared("golden tolerances", "tube", of_nothing.Format()));
+  for (score::Check& check : CompareTraces(*golden, run, widths, "golden", ReferenceIs::kThinned))
+    checks.push_back(std::move(check));
   return checks;
 }
 
@@ -379,12 +298,16 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
     AllowOtherSolver(LargestDistance(run, *run.Find(signal.name), golden.other),
                      run.provenance.Text("solver").value_or(""), golden.other.provenance.Text("solver").value_or(""),
                      of);
+    constexpr double kRoom = 1.5;  // the run itself is to pass, on another machine too
+    const double beyond = BeyondNeighbours(thin, signal, run);
+    of.between_width = beyond > of.relative_width ? RoundedUp(kRoom * beyond) : 0.0;
     Value& table = root["signal"][signal.name];
     table["relative_width"] = Value(of.relative_width);
     if (of.time_half_width_s > 0.0) table["time_half_width_s"] = Value(of.time_half_width_s);
     table["origin"] = Value(of.origin);
     table["other_solver_width"] = Value(of.other_solver_width);
     table["other_solver_origin"] = Value(of.other_solver_origin);
+    if (of.between_width > 0.0) table["between_width"] = Value(of.between_width);
   }
   return WriteFileAtomically(place.tolerances, ToToml(root));
 }

@@ -2,11 +2,11 @@
 // kB.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "base/status.h"
 #include "experiment/check.h"
+#include "experiment/compare_traces.h"
 #include "experiment/golden_place.h"
 #include "model/params.h"
 #include "model/plan.h"
@@ -17,22 +17,7 @@ namespace dynoproof {
 
 /// The golden file <...>.toml: tolerances and where they come from.
 struct GoldenTolerances {
-  struct OfSignal {
-    double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
-    double time_half_width_s = 0.0;
-    std::string origin =
-        "the same solver and steps: on the shipped scenarios other vector instructions and compilers differ by at most "
-        "1.3 % of this (ci/spread.py)";
-    double other_solver_width = 0.0;  // for a run of the other solver; 0: how far that may be is not known
-    std::string other_solver_origin;
-    void Visit(auto& v) {
-      v.Required("relative_width", relative_width, Positive("1"), "half-width over the nominal");
-      v.Optional("time_half_width_s", time_half_width_s, NonNegative(), "how much earlier or later");
-      v.Required("origin", origin, Any(), "why");
-      v.Optional("other_solver_width", other_solver_width, NonNegative("1"), "half-width for the other solver");
-      v.Optional("other_solver_origin", other_solver_origin, Any(), "why");
-    }
-  };
+  using OfSignal = SignalTolerance;
   /// What thinning hides: how long the run was, and what it cost the solver.
   struct OfRun {
     std::int64_t samples = 0;
@@ -50,11 +35,11 @@ struct GoldenTolerances {
   std::string trace_sha256;         // of the golden trace that these tolerances belong to; empty: an older file
   std::vector<std::string> checks;  // StatedChecks() when it was blessed; empty: an older file
   OfRun run;
-  std::map<std::string, OfSignal> signals;
+  SignalTolerances signals;
 
   /// Tolerances for a run of this solver: those of the other solver where that is not the one of the golden run. A file
   /// of tolerances alone, without a golden run, has the same for both.
-  std::map<std::string, OfSignal> For(const std::string& solver) const;
+  SignalTolerances For(const std::string& solver) const;
 };
 
 /// What the scenario states to be checked, each check as its kind and what it is about: "solvers T_shaft". Sorted.
@@ -66,8 +51,12 @@ std::string GoldenFolder();
 /// Reads [signal.NAME] tables and the reason from a TOML file.
 Result<GoldenTolerances> ReadTolerances(const std::string& file);
 
+/// Whether the tolerances were written for this trace file.
+bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_file);
+
 /// The trace with every k-th sample of each signal (k the same prime for all), small enough to be kept. Pointwise
-/// comparison at those samples is exact: thinning adds no error, what lies between is covered by the hull signals.
+/// comparison at those samples is exact: thinning adds no error. What lies between is held to their range
+/// (ReferenceIs::kThinned), and the analysed output to its hull signals.
 trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
 
 /// Compares a run of `plan` with its golden files; one check per golden signal, one for signals that are new or gone,
@@ -101,11 +90,6 @@ struct GoldenRun {
 /// Writes the golden files. Tolerances that stand there already are kept, but for those of the other solver, which
 /// are what the two are apart now.
 Status WriteGolden(const GoldenPlace& place, const GoldenRun& run);
-
-/// Two traces signal by signal: missing, extra and short signals fail. `tolerance(name)` gives the tube.
-std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
-                                        const std::map<std::string, GoldenTolerances::OfSignal>& tolerances,
-                                        const std::string& kind);
 
 /// The run against the golden trace of the scenario, with its tolerances (golden_place.h).
 class GoldenCheck : public CheckPlan {

@@ -8,13 +8,14 @@
 
 namespace dynoproof {
 
-std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit) {
+std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit,
+                double from_s) {
   const score::Aligned aligned = score::AlignTo(reference, test);
   if (!aligned.ok()) return aligned.reason;
   std::size_t first = aligned.test.size(), worst = 0;
   for (std::size_t i = 0; i < aligned.test.size(); ++i) {
     const double error = std::abs(aligned.test[i] - reference.values[i]);
-    if (error > threshold && first == aligned.test.size()) first = i;
+    if (error > threshold && first == aligned.test.size() && reference.time_s[i] >= from_s) first = i;
     if (error > std::abs(aligned.test[worst] - reference.values[worst])) worst = i;
   }
   if (first == aligned.test.size()) first = worst;

@@ -1,6 +1,7 @@
 // The sentence under a failed comparison: where it begins, how much, and the likely cause.
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "score/series.h"
@@ -8,7 +9,8 @@
 namespace dynoproof {
 
 /// "apart from t = 1.2 s on (3.4 instead of 3.1 N m), most at t = ...; likely cause: gain 1.05". `threshold` [unit of
-/// the signal] is the error from which on two values count as apart.
-std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit);
+/// the signal] is the error from which on two values count as apart; before `from_s` none does.
+std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit,
+                double from_s = -std::numeric_limits<double>::infinity());
 
 }  // namespace dynoproof

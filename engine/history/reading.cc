@@ -1,7 +1,12 @@
 #include "history/reading.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+
+#include "score/series.h"
 
 namespace dynoproof::history {
 namespace {
@@ -19,6 +24,12 @@ std::optional<double> ValueOf(const json& entry, const char* key) {
   if (found == entry.end() || !found->is_number()) return std::nullopt;
   const double value = found->get<double>();
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// A time, a rate: what is not above 0 was not measured.
+std::optional<double> PositiveOf(const json& entry, const char* key) {
+  const std::optional<double> value = ValueOf(entry, key);
+  return value && *value > 0.0 ? value : std::nullopt;
 }
 
 double Magnitude(const std::optional<double>& value) { return value ? std::abs(*value) : 0.0; }
@@ -44,28 +55,71 @@ void AddRun(const json& scenario, std::vector<Reading>& readings) {
 
 void AddBench(const json& scenario, std::vector<Reading>& readings) {
   const std::string id = scenario.at("id");
-  for (const auto& [quantile, value] : scenario.at("quantiles_us").items()) {
-    if (quantile != "0.5") continue;  // tails say how busy the machine was
-    readings.push_back({"bench/" + id + "/median", value.get<double>(), "us", true, Sense::kLessIsBetter, kTime});
+  if (scenario.at("quantiles_us").contains("0.5")) {  // tails say how busy the machine was
+    const std::optional<double> median = PositiveOf(scenario.at("quantiles_us"), "0.5");
+    readings.push_back({"bench/" + id + "/median", median, "us", true, Sense::kLessIsBetter, kTime});
   }
-  readings.push_back({"bench/" + id + "/simulated_s_per_s", ValueOf(scenario, "simulated_s_per_s"), "1", true,
+  readings.push_back({"bench/" + id + "/simulated_s_per_s", PositiveOf(scenario, "simulated_s_per_s"), "1", true,
                       Sense::kMoreIsBetter, kTime});
   readings.push_back(
       {"bench/" + id + "/heap_growth", ValueOf(scenario, "heap_growth_bytes"), "B", false, Sense::kLessIsBetter, 0.0});
 }
 
+/// Nanoseconds of a unit of time; nothing for any other.
+std::optional<double> NanosecondsOf(const std::string& unit) {
+  static const std::map<std::string, double> factors = {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}};
+  const auto found = factors.find(unit);
+  return found == factors.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// A time in nanoseconds, where the entry has one that was measured.
+std::optional<double> TimeOf(const json& entry, const char* key, const char* unit) {
+  const std::optional<double> time = PositiveOf(entry, key), factor = NanosecondsOf(entry.value(unit, "ns"));
+  return time && factor ? std::optional(*time * *factor) : std::nullopt;
+}
+
 void AddBudget(const json& budget, std::vector<Reading>& readings) {
-  const auto value = ValueOf(budget, "value");
-  const bool time = budget.value("unit", "") == "ns";
-  readings.push_back({"budget/" + budget.at("name").get<std::string>(), value, budget.value("unit", ""), time,
+  const std::string unit = budget.value("unit", "");
+  const bool time = NanosecondsOf(unit).has_value();
+  const auto value = time ? TimeOf(budget, "value", "unit") : ValueOf(budget, "value");
+  readings.push_back({"budget/" + budget.at("name").get<std::string>(), value, time ? "ns" : unit, time,
                       Sense::kLessIsBetter, time ? kTime : kInstructions * Magnitude(value)});
 }
 
-void AddGoogle(const json& benchmark, std::vector<Reading>& readings) {
-  if (benchmark.value("run_type", "") == "aggregate" && benchmark.value("aggregate_name", "") != "median") return;
-  readings.push_back({"time/" + benchmark.value("run_name", benchmark.at("name").get<std::string>()),
-                      ValueOf(benchmark, "cpu_time"), benchmark.value("time_unit", ""), true, Sense::kLessIsBetter,
-                      kTime});
+/// What the entries of one benchmark of a Google Benchmark program say together.
+struct Repetitions {
+  std::vector<double> times_ns;     // of the single repetitions
+  std::optional<double> median_ns;  // the program's own, of all of them
+  bool failed = false;              // an entry that ended in an error, was skipped or has no time
+};
+
+void AddGoogle(const json& benchmarks, std::vector<Reading>& readings) {
+  std::map<std::string, Repetitions> all;
+  std::vector<std::string> names;  // in the order of the file
+  for (const json& benchmark : benchmarks) {
+    const std::string name = benchmark.value("run_name", benchmark.at("name").get<std::string>());
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    Repetitions& of = all[name];
+    const bool is_single = benchmark.value("run_type", "iteration") != "aggregate";
+    // A mean, a deviation or a growth with n is no reading beside a median, and its zero no fault.
+    if (!is_single && benchmark.value("aggregate_name", "") != "median") continue;
+    const std::optional<double> time = TimeOf(benchmark, "cpu_time", "time_unit");
+    const bool failed = benchmark.value("error_occurred", false) || benchmark.value("skipped", false);
+    of.failed = of.failed || failed || !time;
+    if (failed || !time) continue;
+    if (is_single) {
+      of.times_ns.push_back(*time);
+    } else {
+      of.median_ns = time;
+    }
+  }
+  for (const std::string& name : names) {
+    const Repetitions& of = all[name];
+    if (of.times_ns.empty() && !of.median_ns && !of.failed) continue;  // other aggregates alone
+    const double median = of.median_ns ? *of.median_ns : score::Median(of.times_ns);
+    readings.push_back(
+        {"time/" + name, of.failed ? std::nullopt : std::optional(median), "ns", true, Sense::kLessIsBetter, kTime});
+  }
 }
 
 }  // namespace
@@ -76,7 +130,7 @@ Result<std::vector<Reading>> Readings(const json& document) {
     if (document.is_array()) {
       for (const json& budget : document) AddBudget(budget, readings);
     } else if (document.contains("benchmarks")) {
-      for (const json& benchmark : document.at("benchmarks")) AddGoogle(benchmark, readings);
+      AddGoogle(document.at("benchmarks"), readings);
     } else if (document.contains("scenarios")) {
       for (const json& scenario : document.at("scenarios")) {
         scenario.contains("quantiles_us") ? AddBench(scenario, readings) : AddRun(scenario, readings);
@@ -91,6 +145,25 @@ Result<std::vector<Reading>> Readings(const json& document) {
         .exit_code = 2};
   }
   return readings;
+}
+
+json ParseResult(std::string text) {
+  json document = json::parse(text, nullptr, false);
+  if (!document.is_discarded()) return document;
+  static constexpr std::array<std::string_view, 6> kNoNumbers = {"-NaN", "NaN", "nan", "-Infinity", "Infinity", "inf"};
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\\' && quoted) {
+      ++i;
+    } else if (text[i] == '"') {
+      quoted = !quoted;
+    } else if (!quoted) {
+      for (const std::string_view word : kNoNumbers) {
+        if (text.compare(i, word.size(), word) == 0) text.replace(i, word.size(), "null");
+      }
+    }
+  }
+  return json::parse(text, nullptr, false);
 }
 
 }  // namespace dynoproof::history

@@ -15,7 +15,7 @@ enum class Sense { kLessIsBetter, kMoreIsBetter, kNeither };
 
 struct Reading {
   std::string series;           // "score/r2r/soft_rotor_setup_1/golden T_shaft"
-  std::optional<double> value;  // nothing: not a finite number
+  std::optional<double> value;  // nothing: not a finite number, or what was to be measured went wrong
   std::string unit;
   bool scatters = false;  // a time; else the figure repeats exactly on one build
   Sense sense = Sense::kNeither;
@@ -24,7 +24,12 @@ struct Reading {
 };
 
 /// The readings of one document: that of `run`, of `bench`, of ci/check_budgets.py, of bench/robustness, of a Google
-/// Benchmark program. Fails (exit code 2) on any other, naming what was expected.
+/// Benchmark program. Times come in ns, whatever unit a foreign program chose. Fails (exit code 2) on any other, naming
+/// what was expected.
 Result<std::vector<Reading>> Readings(const nlohmann::json& document);
+
+/// The document of a text, null where it stands for no number: some programs, Google Benchmark among them, write NaN
+/// and Infinity, which JSON has no words for. Discarded where the text is no JSON even so.
+nlohmann::json ParseResult(std::string text);
 
 }  // namespace dynoproof::history

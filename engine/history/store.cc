@@ -1,9 +1,17 @@
 #include "history/store.h"
 
+#include <fmt/chrono.h>
+#include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <iomanip>
 #include <map>
+#include <sstream>
+
+#include "base/units.h"
 
 namespace dynoproof::history {
 namespace {
@@ -57,6 +65,10 @@ class Statement {
   }
   std::int64_t IntegerAt(int column) const { return sqlite3_column_int64(statement_, column); }
   double NumberAt(int column) const { return sqlite3_column_double(statement_, column); }
+  bool IsNumberAt(int column) const {
+    const int type = sqlite3_column_type(statement_, column);
+    return type == SQLITE_INTEGER || (type == SQLITE_FLOAT && std::isfinite(NumberAt(column)));
+  }
   bool NothingAt(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
 
  private:
@@ -67,6 +79,62 @@ class Statement {
 bool Execute(sqlite3* database, const char* sql) {
   return sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK;
 }
+
+/// The second after an ISO time such as 2026-01-31T02:00:00Z.
+std::string NextSecond(const std::string& time) {
+  std::tm parts{};
+  std::istringstream(time) >> std::get_time(&parts, "%Y-%m-%dT%H:%M:%SZ");
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(timegm(&parts) + 1));
+}
+
+/// What takes a value in one unit to the other; nothing where they are of different quantities.
+std::optional<double> FactorTo(const std::string& unit, const std::string& other) {
+  if (unit == other) return 1.0;
+  const std::optional<Unit> from = ParseUnit(unit), to = ParseUnit(other);
+  if (!from || !to || !SameQuantity(*from, *to) || from->offset != to->offset) return std::nullopt;
+  return from->factor / to->factor;
+}
+
+/// Gathers the rows of one series: the parts of different quantities are different series.
+class SeriesRows {
+ public:
+  void Add(const Series& newest, std::size_t night, std::optional<double> value) {
+    for (Series& part : parts_) {
+      const std::optional<double> factor = FactorTo(part.unit, newest.unit);
+      if (!factor) continue;
+      for (std::optional<double>& earlier : part.values) {
+        if (earlier) *earlier *= *factor;
+      }
+      Append(part, newest, night, value);
+      return;
+    }
+    parts_.push_back(newest);
+    Append(parts_.back(), newest, night, value);
+  }
+  /// The part of the newest night keeps the name.
+  void MoveTo(std::vector<Series>& all) {
+    std::size_t newest = 0;
+    for (std::size_t i = 1; i < parts_.size(); ++i) {
+      if (parts_[i].nights.back() >= parts_[newest].nights.back()) newest = i;
+    }
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (i != newest) parts_[i].name += fmt::format(" [{}]", parts_[i].unit);
+      all.push_back(std::move(parts_[i]));
+    }
+    parts_.clear();
+  }
+
+ private:
+  static void Append(Series& part, const Series& newest, std::size_t night, std::optional<double> value) {
+    part.unit = newest.unit;
+    part.scatters = newest.scatters;
+    part.sense = newest.sense;
+    part.relevant = newest.relevant;
+    part.nights.push_back(night);
+    part.values.push_back(value);
+  }
+  std::vector<Series> parts_;
+};
 
 }  // namespace
 
@@ -102,26 +170,48 @@ Result<Store> Store::Open(const std::string& file, bool create) {
   return store;
 }
 
-Status Store::Add(const Night& night, const std::vector<Reading>& readings) {
+Status Store::Transact(const std::function<bool()>& add) {
   sqlite3* database = database_.get();
   if (!Execute(database, "BEGIN IMMEDIATE")) return Wrong("cannot be written");
-  const auto give_up = [&]() -> Status {
-    Failure failure = Wrong("cannot be written");
-    Execute(database, "ROLLBACK");
-    return failure;
-  };
-  Statement add_night(database, "INSERT OR IGNORE INTO night (time, commit_id, machine) VALUES (?, ?, ?)");
-  if (!add_night.Text(1, night.time).Text(2, night.commit).Text(3, night.machine).Run()) return give_up();
+  if (add() && Execute(database, "COMMIT")) return {};
+  Failure failure = Wrong("cannot be written");
+  Execute(database, "ROLLBACK");
+  return failure;
+}
+
+bool Store::AddReadings(const Night& night, const std::vector<Reading>& readings) {
+  sqlite3* database = database_.get();
   Statement find(database, "SELECT id FROM night WHERE time = ? AND commit_id = ? AND machine = ?");
-  if (!find.Text(1, night.time).Text(2, night.commit).Text(3, night.machine).Step()) return give_up();
+  if (!find.Text(1, night.time).Text(2, night.commit).Text(3, night.machine).Step()) return false;
   const std::int64_t id = find.IntegerAt(0);
   Statement add(database, "INSERT OR REPLACE INTO reading VALUES (?, ?, ?, ?, ?, ?, ?)");
   for (const Reading& reading : readings) {
     add.Integer(1, id).Text(2, reading.series).Number(3, reading.value).Text(4, reading.unit);
     add.Integer(5, reading.scatters).Integer(6, static_cast<int>(reading.sense)).Number(7, reading.relevant);
-    if (!add.Run()) return give_up();
+    if (!add.Run()) return false;
   }
-  return Execute(database, "COMMIT") ? Status() : give_up();
+  return true;
+}
+
+Status Store::Add(const Night& night, const std::vector<Reading>& readings) {
+  return Transact([&] {
+    Statement add(database_.get(), "INSERT OR IGNORE INTO night (time, commit_id, machine) VALUES (?, ?, ?)");
+    return add.Text(1, night.time).Text(2, night.commit).Text(3, night.machine).Run() && AddReadings(night, readings);
+  });
+}
+
+Result<Night> Store::AddNight(Night night, const std::vector<Reading>& readings) {
+  const Status failed = Transact([&] {
+    sqlite3* database = database_.get();
+    for (;;) {
+      Statement add(database, "INSERT OR IGNORE INTO night (time, commit_id, machine) VALUES (?, ?, ?)");
+      if (!add.Text(1, night.time).Text(2, night.commit).Text(3, night.machine).Run()) return false;
+      if (sqlite3_changes(database) > 0) return AddReadings(night, readings);
+      night.time = NextSecond(night.time);
+    }
+  });
+  if (failed) return *failed;
+  return night;
 }
 
 Result<History> Store::Read(const std::string& machine) const {
@@ -144,17 +234,34 @@ Result<History> Store::Read(const std::string& machine) const {
                  "SELECT series, night.id, value, unit, scatters, sense, relevant FROM reading JOIN night ON night = "
                  "night.id WHERE machine = ? ORDER BY series, time, night.id");
   rows.Text(1, wanted);
+  SeriesRows gathered;
+  std::string last;
   while (rows.Step()) {
     const std::string name = rows.TextAt(0);
-    if (history.series.empty() || history.series.back().name != name) history.series.push_back({.name = name});
-    Series& series = history.series.back();
-    series.nights.push_back(place.at(rows.IntegerAt(1)));
-    series.values.push_back(rows.NothingAt(2) ? std::nullopt : std::optional(rows.NumberAt(2)));
-    series.unit = rows.TextAt(3);
-    series.scatters = rows.IntegerAt(4) != 0;
-    series.sense = static_cast<Sense>(rows.IntegerAt(5));
-    series.relevant = rows.NumberAt(6);
+    const std::size_t night = place.at(rows.IntegerAt(1));
+    static constexpr const char* kColumns[] = {"value", "", "scatters", "sense", "relevant"};
+    for (const int column : {2, 4, 5, 6}) {
+      if (rows.IsNumberAt(column) || (column == 2 && rows.NothingAt(column))) continue;
+      return Failure{
+          .message = fmt::format("\"{}\" stands for the {} of series \"{}\" in the night of {}: a number "
+                                 "belongs there; correct the row, or begin a new history",
+                                 rows.TextAt(column), kColumns[column - 2], name, history.nights[night].time),
+          .signal = file_,
+          .exit_code = 2};
+    }
+    if (name != last) gathered.MoveTo(history.series);
+    last = name;
+    const bool scatters = rows.IntegerAt(4) != 0;
+    std::optional<double> value = rows.NothingAt(2) ? std::nullopt : std::optional(rows.NumberAt(2));
+    if (scatters && value && *value <= 0.0) value.reset();  // no time: an earlier version kept those of errors
+    gathered.Add({.name = name,
+                  .unit = rows.TextAt(3),
+                  .scatters = scatters,
+                  .sense = static_cast<Sense>(rows.IntegerAt(5)),
+                  .relevant = rows.NumberAt(6)},
+                 night, value);
   }
+  gathered.MoveTo(history.series);
   if (!rows.good()) return Wrong("cannot be read");
   return history;
 }

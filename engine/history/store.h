@@ -1,6 +1,7 @@
 // The nightly record: an SQLite file with one record a night, machine class and commit, and its readings.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,7 +42,12 @@ class Store {
   /// Adds readings to a night, all or none; a reading that the night has already is replaced. Nights of one time,
   /// commit and machine are one.
   Status Add(const Night& night, const std::vector<Reading>& readings);
-  /// Everything of a machine class; of the newest night's class where `machine` is empty.
+  /// Adds them as a night of their own: at its time, or at the first second after it that no night of this commit and
+  /// machine has. @return the night.
+  Result<Night> AddNight(Night night, const std::vector<Reading>& readings);
+  /// Everything of a machine class; of the newest night's class where `machine` is empty. Values are in the unit of the
+  /// newest; a unit of another quantity is another series, named with it. Fails (exit code 2) on a cell that is no
+  /// number where one belongs.
   Result<History> Read(const std::string& machine) const;
 
  private:
@@ -50,6 +56,9 @@ class Store {
   };
   Store() = default;
   Failure Wrong(const std::string& what, int exit_code = 3) const;
+  /// Within a transaction: adds what `add` adds, all or none.
+  Status Transact(const std::function<bool()>& add);
+  bool AddReadings(const Night& night, const std::vector<Reading>& readings);
 
   std::unique_ptr<sqlite3, Closer> database_;
   std::string file_;

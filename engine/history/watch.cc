@@ -1,6 +1,7 @@
 #include "history/watch.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dynoproof::history {
 namespace {
@@ -44,9 +45,14 @@ Watch Look(const History& history, const WatchOptions& options) {
       values.push_back(*series.values[i]);
       at.push_back(series.nights[i]);
     }
-    // The newest night lacks what the one before had.
-    if (nights > 1 && !at.empty() && at.back() + 2 == nights) {
-      watch.findings.push_back({Finding::Kind::kMissing, s, nights - 1, values.back(), 0.0, 0.0, true});
+    const std::size_t since = at.empty() ? 0 : at.back() + 1;
+    // A benchmark that never gave a time is missing, too; a score or a figure may be one that has no number.
+    const bool known = !at.empty() || series.scatters;
+    const bool goes_on = !series.nights.empty() && series.nights.back() + 1 == nights;
+    if (known && since < nights && (goes_on || since + options.recent >= nights)) {
+      const double before = values.empty() ? std::numeric_limits<double>::quiet_NaN() : values.back();
+      watch.findings.push_back(
+          {Finding::Kind::kMissing, s, since, before, std::numeric_limits<double>::quiet_NaN(), 0.0, true});
       worse_score = true;
     }
     noise.relevant = series.relevant;

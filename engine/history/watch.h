@@ -14,11 +14,13 @@ struct WatchOptions {
 struct Finding {
   enum class Kind { kWorse, kBetter, kChanged, kMissing } kind;
   std::size_t series = 0;  // place among History::series
-  std::size_t night = 0;   // the first of the new level; of kMissing the newest night
+  std::size_t night = 0;   // the first of the new level; of kMissing the first without a reading
   double before = 0.0, after = 0.0, p = 0.0;
   bool recent = false;
 };
 
+/// A reading is missing in the newest night where its series goes on there without a value, however long, or where it
+/// is left out and that began among the recent nights: what was given up for good is history some day.
 struct Watch {
   std::vector<Finding> findings;  // recent ones first, the worse before the others
   std::size_t compared = 0;       // series with enough nights

@@ -5,9 +5,10 @@
 namespace dynoproof::mechanics {
 namespace {
 
-int Find(const std::vector<int>& items, int item) {
+std::optional<int> Find(const std::vector<int>& items, int item) {
   const auto found = std::find(items.begin(), items.end(), item);
-  return found == items.end() ? -1 : static_cast<int>(found - items.begin());
+  if (found == items.end()) return std::nullopt;
+  return static_cast<int>(found - items.begin());
 }
 
 }  // namespace
@@ -27,8 +28,8 @@ std::vector<int> Groups(const Network& network, int skip_node, int skip_edge) {
   return labels;
 }
 
-int Branch::LocalNode(int node) const { return Find(nodes, node); }
-int Branch::LocalEdge(int edge) const { return Find(edges, edge); }
+std::optional<int> Branch::LocalNode(int node) const { return Find(nodes, node); }
+std::optional<int> Branch::LocalEdge(int edge) const { return Find(edges, edge); }
 
 Eigen::VectorXd Branch::Pick(const Eigen::VectorXd& all) const { return all(nodes); }
 

@@ -1,6 +1,7 @@
 // Cutting networks: what hangs together when a node or a shaft is taken away.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "linear/network.h"
@@ -20,9 +21,10 @@ struct Branch {
   std::vector<int> nodes;
   std::vector<int> edges;
 
-  /// Index in the branch of a node or edge of the whole, or -1.
-  int LocalNode(int node) const;
-  int LocalEdge(int edge) const;
+  /// Index in the branch of a node or edge of the whole, if it is in the branch. An edge that transmits nothing may
+  /// join two branches and be in neither.
+  std::optional<int> LocalNode(int node) const;
+  std::optional<int> LocalEdge(int edge) const;
   /// The entries of a vector over all nodes that belong to the branch.
   Eigen::VectorXd Pick(const Eigen::VectorXd& all) const;
 };

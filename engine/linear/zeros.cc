@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "linear/branches.h"
@@ -28,13 +29,15 @@ struct Plant {
   Output output;
 };
 
-Plant PartOfOutput(const Network& network, const VectorXd& input, const Output& output) {
+/// Nothing for the torque of a shaft that transmits none and joins two parts: it belongs to neither.
+std::optional<Plant> PartOfOutput(const Network& network, const VectorXd& input, const Output& output) {
   const bool is_torque = output.kind == OutputKind::kEdgeTorque;
   const std::vector<int> labels = Groups(network, -1, -1);
   const int label = labels[is_torque ? network.edges[output.index].from : output.index];
   const Branch branch = TakeBranch(network, labels, label, CutEdges::kDrop);
-  const int index = is_torque ? branch.LocalEdge(output.index) : branch.LocalNode(output.index);
-  return {branch.network, branch.Pick(input), {output.kind, index}};
+  const std::optional<int> index = is_torque ? branch.LocalEdge(output.index) : branch.LocalNode(output.index);
+  if (!index) return std::nullopt;
+  return Plant{branch.network, branch.Pick(input), {output.kind, *index}};
 }
 
 Network WithoutDamping(Network network) {
@@ -92,7 +95,7 @@ Status AngleRoots(Network network, VectorXd input, int node, Roots& roots) {
     }
     AddShaftRoot(network.edges[shafts[0]], roots);
     Branch next = TakeBranch(network, labels, driven[0], CutEdges::kDrop);
-    node = next.LocalNode(far_ends[0]);
+    node = next.LocalNode(far_ends[0]).value();  // its label is that of the branch
     input = next.Pick(input);
     network = std::move(next.network);
   }
@@ -121,7 +124,7 @@ Status TorqueRoots(const Plant& plant, Roots& roots) {
     return status;
   }
   const Branch side = TakeBranch(plant.network, labels, labels[near], CutEdges::kDrop);
-  return AngleRoots(side.network, side.Pick(plant.input), side.LocalNode(near), roots);
+  return AngleRoots(side.network, side.Pick(plant.input), side.LocalNode(near).value(), roots);
 }
 
 Status NumeratorRoots(const Plant& plant, Roots& roots) {
@@ -140,11 +143,12 @@ Zero Describe(Complex s) {
 Result<ZeroAnalysis> TransferZeros(const Network& network, const VectorXd& input, const Output& output) {
   const Result<TransferFunction> whole = TransferFunction::Build(network, input, output);
   if (!whole.ok()) return whole.failure();
-  const Plant plant = PartOfOutput(network, input, output);
-  const Result<ModalAnalysis> modal = Modes(plant.network);
+  const std::optional<Plant> plant = PartOfOutput(network, input, output);
+  if (!plant) return NotReached();
+  const Result<ModalAnalysis> modal = Modes(plant->network);
   if (!modal.ok()) return modal.failure();
   std::vector<Complex> roots;
-  if (Status status = NumeratorRoots(plant, roots)) return *status;
+  if (Status status = NumeratorRoots(*plant, roots)) return *status;
   std::vector<Complex> poles = modal->DampedEigenvalues();
   // At the origin both are multiple: poles exactly, computed zeros to the root of the machine precision.
   const double at_origin = 1e-7 * std::abs(*std::max_element(poles.begin(), poles.end(), [](Complex a, Complex b) {
@@ -169,7 +173,9 @@ Result<ZeroAnalysis> TransferZeros(const Network& network, const VectorXd& input
 Result<int> RelativeDegree(const Network& network, const VectorXd& input, const Output& output) {
   const Result<TransferFunction> whole = TransferFunction::Build(network, input, output);
   if (!whole.ok()) return whole.failure();
-  const Plant plant = PartOfOutput(WithoutDamping(network), input, output);
+  const std::optional<Plant> part = PartOfOutput(WithoutDamping(network), input, output);
+  if (!part) return NotReached();
+  const Plant& plant = *part;
   const VectorXd root = plant.network.Inertias().cwiseSqrt().cwiseInverse();
   const MatrixXd stiffness = root.asDiagonal() * plant.network.StiffnessMatrix() * root.asDiagonal();
   const VectorXd b = root.cwiseProduct(plant.input);
@@ -201,10 +207,10 @@ Result<int> RelativeDegree(const Network& network, const VectorXd& input, const 
 Result<bool> IsFlatOutput(const Network& network, const VectorXd& input, const Output& output) {
   const Result<int> degree = RelativeDegree(network, input, output);
   if (!degree.ok()) return degree.failure();
-  const Plant plant = PartOfOutput(WithoutDamping(network), input, output);
-  const bool held = std::any_of(plant.network.edges.begin(), plant.network.edges.end(),
+  const Network part = PartOfOutput(WithoutDamping(network), input, output).value().network;  // it has a degree
+  const bool held = std::any_of(part.edges.begin(), part.edges.end(),
                                 [](const Edge& edge) { return edge.to == kGround && edge.stiffness > 0.0; });
-  int order = 2 * plant.network.size();
+  int order = 2 * part.size();
   if (!held && output.kind == OutputKind::kEdgeTorque) order -= 2;
   if (!held && output.kind == OutputKind::kSpeed) order -= 1;
   return *degree == order;

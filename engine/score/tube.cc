@@ -58,18 +58,61 @@ std::string OptionFault(const TubeOptions& o) {
   if (!(o.nominal > 0.0) || !std::isfinite(o.nominal)) return "tube: the signal's nominal must be positive";
   if (!(o.time_half_width_s >= 0.0) || !std::isfinite(o.time_half_width_s))
     return "tube: the half-width in time must be zero or more";
+  if (!(o.interpolation_room >= 0.0) || !std::isfinite(o.interpolation_room))
+    return "tube: the room for interpolation must be zero or more";
   if (!(o.relative_width * o.nominal > std::numeric_limits<double>::min())) return "tube: the width in value vanishes";
   return {};
 }
 
-// Every time of either signal inside the reference's span, once.
-std::vector<double> UnionTimes(const Series& reference, const Series& test) {
+// Twice the largest second divided difference about the interval after sample j: what bends a signal there.
+double BendAfter(const Series& series, std::size_t j) {
+  const auto& [time, values, interpolation] = series;
+  double most = 0.0;
+  for (std::size_t i = j > 2 ? j - 1 : 1; i <= j + 2 && i + 1 < time.size(); ++i) {
+    const double before = (values[i] - values[i - 1]) / (time[i] - time[i - 1]);
+    const double after = (values[i + 1] - values[i]) / (time[i + 1] - time[i]);
+    most = std::max(most, 2.0 * std::abs(after - before) / (time[i + 1] - time[i - 1]));
+  }
+  return most;
+}
+
+// How far the interpolation of a signal may be off at each time: nothing at its samples.
+std::vector<double> OpenBetween(const Series& series, std::span<const double> times_s) {
+  const auto& [time, values, interpolation] = series;
+  std::vector<double> open(times_s.size(), 0.0);
+  std::size_t j = 0, bent = time.size();  // time[j] <= t < time[j + 1]; the interval that `bend` is of
+  double bend = 0.0;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    while (j + 1 < time.size() && time[j + 1] <= times_s[i]) ++j;
+    if (times_s[i] <= time[j] || j + 1 == time.size()) continue;
+    if (interpolation == Interpolation::kHold) {
+      open[i] = std::abs(values[j + 1] - values[j]);
+      continue;
+    }
+    if (bent != j) bend = BendAfter(series, bent = j);
+    open[i] = 0.5 * bend * (times_s[i] - time[j]) * (time[j + 1] - times_s[i]);
+  }
+  return open;
+}
+
+// The samples from `from` to `to`.
+Series Part(const Series& series, double from, double to) {
+  const auto first = std::lower_bound(series.time_s.begin(), series.time_s.end(), from);
+  const auto last = std::upper_bound(first, series.time_s.end(), to);
+  const auto offset = static_cast<std::size_t>(first - series.time_s.begin());
+  const auto count = static_cast<std::size_t>(last - first);
+  return {series.time_s.subspan(offset, count), series.values.subspan(offset, count), series.interpolation};
+}
+
+// Every time of either signal inside the part of the reference's span that is judged, once.
+std::vector<double> UnionTimes(const Series& reference, const Series& test, const TubeOptions& o) {
+  const double from = std::max(reference.time_s.front(), o.from_s), to = std::min(reference.time_s.back(), o.to_s);
   std::vector<double> times;
   times.reserve(reference.time_s.size() + test.time_s.size());
   std::merge(reference.time_s.begin(), reference.time_s.end(), test.time_s.begin(), test.time_s.end(),
              std::back_inserter(times));
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  std::erase_if(times, [&](double t) { return t < reference.time_s.front() || t > reference.time_s.back(); });
+  std::erase_if(times, [&](double t) { return t < from || t > to; });
   return times;
 }
 
@@ -80,18 +123,29 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
   result.worst_ratio = std::numeric_limits<double>::quiet_NaN();
   result.reason = OptionFault(options);
   if (!result.reason.empty()) return result;
-  const Aligned covered = AlignTo(reference, test, options.max_gap_s);
+  result.reason = FaultOf(reference, "reference");
+  if (!result.reason.empty()) return result;
+  const Aligned covered = AlignTo(Part(reference, options.from_s, options.to_s), test, options.max_gap_s);
   if (!covered.ok()) {
     result.reason = covered.reason;
     return result;
   }
 
   const double h = options.relative_width * options.nominal;
-  const std::vector<double> times = UnionTimes(reference, test);
+  const std::vector<double> times = UnionTimes(reference, test, options);
   const std::vector<double> values = SampleAt(test, times);
-  const Bounds bounds = ReferenceRange(reference, times, options.time_half_width_s);
-  // Just before each instant the held test still has its old value; the reference may have jumped with it.
-  const bool held = test.interpolation == Interpolation::kHold;
+  Bounds bounds = ReferenceRange(reference, times, options.time_half_width_s);
+  if (options.interpolation_room > 0.0) {
+    const std::vector<double> of_reference = OpenBetween(reference, times), of_test = OpenBetween(test, times);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const double room = options.interpolation_room * (of_reference[i] + of_test[i]);
+      bounds.low[i] -= room;
+      bounds.high[i] += room;
+    }
+  }
+  // Just before each instant the held test still has its old value; the reference may have jumped with it. With room
+  // for interpolation the instant of a jump is known to a step only.
+  const bool held = test.interpolation == Interpolation::kHold && options.interpolation_room == 0.0;
   const std::vector<double> old_values = held ? LeftLimits(test, times) : values;
   const bool reference_held = reference.interpolation == Interpolation::kHold;
   const std::vector<double> old_reference = held && reference_held

@@ -7,6 +7,7 @@
 // w.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,12 @@ struct TubeOptions {
   double nominal = 0.0;            // of the signal, in its unit; must be positive
   double time_half_width_s = 0.0;  // w >= 0
   double max_gap_s = 0.0;          // of the test; 0: three times the larger median step
+  /// Between two samples a signal is known as well as its interpolation: this often as far as its own second
+  /// differences let the line be off (of a held one: as the next sample is away) is added to h. 0: the line is taken at
+  /// its word.
+  double interpolation_room = 0.0;
+  /// The part of the reference's span that is judged.
+  double from_s = -std::numeric_limits<double>::infinity(), to_s = std::numeric_limits<double>::infinity();
 };
 
 /// Where the test first left the tube.
@@ -43,7 +50,8 @@ struct TubeResult : Outcome {
 };
 
 /// Holds `test` against the tube around `reference`. Passes only if both are sound, the test covers the whole reference
-/// span without gaps, and no point lies outside. A test that runs longer is judged over the span of the reference.
+/// span (or the part to be judged) without gaps, and no point lies outside. A test that runs longer is judged over the
+/// span of the reference.
 TubeResult CompareTube(const Series& reference, const Series& test, const TubeOptions& options);
 
 /// The same as a check of kind "tube": worst ratio against 1.

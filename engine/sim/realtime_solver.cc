@@ -34,6 +34,7 @@ using substep::Line;
 using substep::LineOf;
 using substep::Reach;
 using substep::RungeKutta4;
+using substep::SameSign;
 using substep::StopOf;
 
 class RealtimeSolver : public Solver {
@@ -368,9 +369,9 @@ class RealtimeSolver : public Solver {
     if (begin != 0.0) {
       const int sign = begin > 0.0 ? 1 : -1;
       moving = slip(time_s, y0_, begin, 0.0, sign);
-      if (begin * Rate(y_, e) > 0.0) {
+      if (SameSign(begin, Rate(y_, e))) {
         const double end = slip(end_s, y_, Rate(y_, e), 0.0, sign);
-        if (rate.At(moving, end - moving) * begin > 0.0) return LineOf(moving, end);
+        if (SameSign(rate.At(moving, end - moving), begin)) return LineOf(moving, end);
       }
       stop = StopOf(begin, rate.At(moving, 0.0), (twist.At(moving, 0.0) - Twist(y0_, e)) / h);
     }

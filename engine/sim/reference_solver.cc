@@ -2,6 +2,8 @@
 // located; the integrator restarts after each, and wherever a held signal changes.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "sim/blocks.h"
 #include "sim/integrators.h"
 #include "sim/solver.h"
@@ -11,6 +13,11 @@ namespace {
 
 /// More events than this in one period is chatter, not physics.
 constexpr int kMostEvents = 10'000;
+/// What a guard of exactly 0 counts as, on the side where it was last: far below anything that the arithmetic of a law
+/// gives, and still a number whose products have a sign.
+constexpr double kHair = 1e-100;
+
+Failure Chatters(const Rig& rig, double time_s) { return {"events without end: the model chatters", rig.id, time_s}; }
 
 class ReferenceSolver : public Solver {
  public:
@@ -47,7 +54,7 @@ class ReferenceSolver : public Solver {
   Status Resume(Frame& frame) override {
     modes_ = frame.modes;
     signals_ = frame.signals;
-    RememberGuards(frame, Seconds(frame.time));
+    frame.solver.assign(rig_.guards, 1.0);  // the other solver kept no sides: what is negative is an event now
     return {};
   }
 
@@ -62,13 +69,14 @@ class ReferenceSolver : public Solver {
     signals_ = frame.signals;
     modes_ = frame.modes;
     if (integrator_ == nullptr) return {};
-    Jumps(frame, time_s);
+    sides_ = frame.solver;
+    if (Status failed = Settle(frame, time_s)) return failed;
     if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
     for (int events = 0; time_s < end_s; ++events) {
       if (Status failed = integrator_->Evolve(end_s, time_s, frame.states, roots_)) return failed;
       if (roots_.empty()) break;
-      if (events > kMostEvents) return Failure{"events without end: the model chatters", rig_.id, time_s};
-      for (const int guard : roots_) Happen(guard, time_s, frame);
+      if (events > kMostEvents) return Chatters(rig_, time_s);
+      if (Status failed = Settle(frame, time_s)) return failed;
       if (time_s >= end_s) break;
       if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
     }
@@ -76,16 +84,17 @@ class ReferenceSolver : public Solver {
     for (const int block : with_memory_) {
       ApplyEvent(rig_.blocks[block], kEndOfInterval, end_s, frame.states, modes_, signals_);
     }
+    if (Status failed = Settle(frame, end_s)) return failed;
     frame.modes = modes_;
-    RememberGuards(frame, end_s);
+    frame.solver = sides_;
     return {};
   }
 
   std::vector<double> States(const Frame& frame) const override { return frame.states; }
 
   void Shift(Frame& frame, const std::vector<double>& change) override {
+    // The sides stay: a guard that the change carries over to the other one is an event as the next interval begins.
     for (std::size_t i = 0; i < change.size(); ++i) frame.states[i] += change[i];
-    RememberGuards(frame, Seconds(frame.time));
   }
 
   void Evaluate(Frame& frame, double time_s) override {
@@ -124,10 +133,15 @@ class ReferenceSolver : public Solver {
     }
   }
 
+  /// Never 0: a guard that just touches 0 is still on the side where it was last. Round numbers make that common (a
+  /// torque that meets the friction's limit), and the integrator watches no guard that is 0 as it restarts.
   void Guards(double time_s, std::span<const double> states, std::span<double> values) {
     EvaluateFeeding(time_s, states);
     for (const Block& block : rig_.blocks) {
       if (block.component->layout().guards > 0) EvaluateGuards(block, time_s, states, modes_, signals_, values);
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i] == 0.0) values[i] = sides_[i] * kHair;
     }
   }
 
@@ -142,27 +156,22 @@ class ReferenceSolver : public Solver {
     }
   }
 
-  /// A guard that changed its sign because a held signal jumped is an event too. Each may switch another one.
-  void Jumps(Frame& frame, double time_s) {
-    if (rig_.guards == 0) return;
+  /// Every guard that is not on its last side is an event: the integrator found it, a held signal jumped, or another
+  /// event changed what it sees. One after the other, since each may call off the next or bring it about.
+  Status Settle(Frame& frame, double time_s) {
+    if (rig_.guards == 0) return {};
     guards_.resize(rig_.guards);
-    for (int pass = 0; pass < rig_.guards; ++pass) {
+    for (int events = 0; events <= kMostEvents; ++events) {
       Guards(time_s, frame.states, guards_);
-      int jumped = -1;
-      for (int i = 0; i < rig_.guards && jumped < 0; ++i) {
-        if (frame.solver[i] * guards_[i] < 0.0) jumped = i;
-      }
-      if (jumped < 0) return;
-      Happen(jumped, time_s, frame);
-      RememberGuards(frame, time_s);
+      int crossed = 0;
+      while (crossed < rig_.guards && !(sides_[crossed] * guards_[crossed] < 0.0)) ++crossed;
+      if (crossed == rig_.guards) return {};
+      Happen(crossed, time_s, frame);
+      sides_[crossed] = 1.0;  // a mode that begins on its very limit holds
+      Guards(time_s, frame.states, guards_);
+      sides_[crossed] = std::copysign(1.0, guards_[crossed]);
     }
-  }
-
-  void RememberGuards(Frame& frame, double time_s) {
-    if (rig_.guards == 0) return;
-    guards_.resize(rig_.guards);
-    Guards(time_s, frame.states, guards_);
-    for (int i = 0; i < rig_.guards; ++i) frame.solver[i] = guards_[i] > 0.0 ? 1.0 : guards_[i] < 0.0 ? -1.0 : 0.0;
+    return Chatters(rig_, time_s);
   }
 
   const Rig& rig_;
@@ -170,6 +179,7 @@ class ReferenceSolver : public Solver {
   std::vector<int> with_memory_;
   std::unique_ptr<Integrator> integrator_;
   std::vector<double> signals_, guards_;
+  mechanics::AlignedVector sides_;  // of each guard, +1 or -1: where it was after the last event
   std::vector<int> modes_, roots_;
   std::int64_t events_ = 0;
 };

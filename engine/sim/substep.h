@@ -57,10 +57,13 @@ struct Reach {
   double At(double begin, double change) const { return without + held * begin + ramp * change; }
 };
 
+/// Both above or both below 0. Not by their product: of two speeds that round-off has left it may be 0.
+inline bool SameSign(double a, double b) { return (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0); }
+
 /// The share of a substep at which a speed is zero that goes from `begin` to `end` with the mean `mean`: that of the
 /// parabola. 0 or 1 where it is next to either, or does not change its sign.
 inline double StopOf(double begin, double end, double mean) {
-  if (end * begin > 0.0) return 0.0;
+  if (SameSign(begin, end)) return 0.0;
   double at = begin / (begin - end);
   const double slope = 6.0 * mean - 4.0 * begin - 2.0 * end, bend = 3.0 * (begin + end) - 6.0 * mean;
   for (int i = 0; i < 3; ++i) {  // Newton's steps from the straight line

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::test {

@@ -29,7 +29,7 @@ trace::Trace Sine(std::size_t count = 20'000) {
 }
 
 score::Verdict VerdictOf(const trace::Trace& reference, const trace::Trace& test, std::string* why = nullptr) {
-  const std::vector<score::Check> checks = CompareTraces(reference, test, {}, "golden");
+  const std::vector<score::Check> checks = CompareTraces(reference, test, {}, "golden", ReferenceIs::kThinned);
   if (why != nullptr) {
     for (const score::Check& check : checks) *why += check.explanation;
   }

@@ -1,0 +1,321 @@
+#include "experiment/compare_traces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include "base/status.h"
+#include "base/text.h"
+#include "base/units.h"
+#include "experiment/why.h"
+#include "score/evidence.h"
+#include "score/sliding.h"
+#include "score/tube.h"
+
+namespace dynoproof {
+namespace {
+
+constexpr std::size_t kNeighbours = 64;
+/// Of the range of the neighbours. On the shipped golden traces, some of them thinned below twice their highest
+/// frequency, the runs leave the range by at most 0.61 of it.
+constexpr double kRoom = 1.0;
+/// Ends that differ by less than this many steps are the same: one program counts the last sample, another does not.
+constexpr double kEndSlack = 1.5;
+/// Of a step: stamps that differ by less are the same but for the round-off of summed steps.
+constexpr double kStampSlack = 1e-6;
+/// Of what a signal's second differences let the line between its samples be off. Where they are resolved (eight
+/// samples a period and more) that is right to a tenth, on the shipped traces to two fifths.
+constexpr double kInterpolationRoom = 2.0;
+/// Of the reference's span: who shares less with it is no other raster of the same course.
+constexpr double kLeastCommon = 0.5;
+
+score::Interpolation ToScore(trace::Interpolation interpolation) {
+  return interpolation == trace::Interpolation::kHold ? score::Interpolation::kHold : score::Interpolation::kLinear;
+}
+
+bool SameUnit(const std::string& a, const std::string& b) {
+  const std::optional<Unit> of_a = ParseUnit(a), of_b = ParseUnit(b);
+  if (!of_a || !of_b) return a == b;
+  return of_a->exponents == of_b->exponents && of_a->factor == of_b->factor && of_a->offset == of_b->offset;
+}
+
+/// `times`, with those that meet a stamp of `grid` but for round-off exactly on it.
+std::vector<double> SnappedTo(std::span<const double> grid, std::span<const double> times) {
+  std::vector<double> snapped(times.begin(), times.end());
+  const double slack = kStampSlack * std::min(score::MedianStep(grid), score::MedianStep(times));
+  for (double& time : snapped) {
+    const auto it = std::lower_bound(grid.begin(), grid.end(), time - slack);
+    if (it != grid.end() && *it <= time + slack) time = *it;
+  }
+  return snapped;
+}
+
+std::string Described(const score::Series& series) {
+  return fmt::format("{} samples from {:.9g} to {:.9g} s", series.time_s.size(), series.time_s.front(),
+                     series.time_s.back());
+}
+
+/// What two courses have in common in time, and what has to be said of it.
+struct CommonSpan {
+  std::vector<double> test_time_s;  // on the reference's stamps where it meets them
+  double from_s = 0.0, to_s = 0.0;
+  std::string note;   // how their time stamps differ; empty where they do not
+  std::string fault;  // why a comparison over it is not enough
+};
+
+/// The stamps from `from` to `to`.
+std::span<const double> Within(std::span<const double> times, double from, double to) {
+  const auto first = std::lower_bound(times.begin(), times.end(), from);
+  return {first, std::upper_bound(first, times.end(), to)};
+}
+
+/// Two sound courses over the span that both have; fails where that is nothing.
+Result<CommonSpan> InCommon(const score::Series& reference, const score::Series& test) {
+  CommonSpan common;
+  common.test_time_s = SnappedTo(reference.time_s, test.time_s);
+  const std::vector<double>& stamps = common.test_time_s;
+  const double first = reference.time_s.front(), last = reference.time_s.back();
+  const double from = common.from_s = std::max(first, stamps.front()), to = common.to_s = std::min(last, stamps.back());
+  const auto both = [&] {
+    return fmt::format("the reference has {}, the run {}", Described(reference), Described(test));
+  };
+  if (!(to > from)) return Failure{"nothing in common in time: " + both()};
+  if (std::ranges::equal(reference.time_s, stamps)) return common;
+  common.note = fmt::format("other time stamps, compared from {:.9g} to {:.9g} s: {}", from, to, both());
+  // On one raster, what one of the two lacks was cut off; another program's raster may end elsewhere.
+  const bool one_raster = std::ranges::equal(Within(reference.time_s, from, to), Within(stamps, from, to));
+  const double slack = kEndSlack * std::max(score::MedianStep(reference.time_s), score::MedianStep(stamps));
+  const bool lacks = to < last - slack || from > first + slack;
+  const auto spans = fmt::format("from {:.9g} to {:.9g} s, the reference from {:.9g} to {:.9g} s", stamps.front(),
+                                 stamps.back(), first, last);
+  if (lacks && (one_raster || to - from < kLeastCommon * (last - first))) {
+    common.fault = "the run is short: it goes " + spans;
+  } else if (one_raster && (stamps.back() > last + slack || stamps.front() < first - slack)) {
+    common.fault = "the run goes on: " + spans;
+  }
+  return common;
+}
+
+/// The samples of `test` at exactly the times of `reference`; empty when it lacks one.
+std::vector<double> SamplesAt(std::span<const double> times, std::span<const double> test_time,
+                              std::span<const double> values) {
+  std::vector<double> samples;
+  const double slack = kStampSlack * score::MedianStep(test_time);
+  for (const double time : times) {
+    const auto it = std::lower_bound(test_time.begin(), test_time.end(), time - slack);
+    if (it == test_time.end() || *it > time + slack) return {};
+    samples.push_back(values[it - test_time.begin()]);
+  }
+  return samples;
+}
+
+/// The sample between those of a thinned reference, or after the last, that leaves the range of its neighbours most.
+struct Farthest {
+  double ratio = 0.0;   // over what is allowed: 1 is the edge
+  double beyond = 0.0;  // the most that any leaves the range widened by its part [unit of the signal]
+  double time_s = 0.0, value = 0.0, low = 0.0, high = 0.0;
+};
+
+Farthest FarthestBetween(const score::Series& thin, const score::Series& run, double half_width, double hidden) {
+  Farthest farthest;
+  const std::span<const double> grid = thin.time_s;
+  const double slack = kStampSlack * score::MedianStep(run.time_s);
+  score::SlidingExtremes neighbours(grid, thin.values);
+  std::size_t after = 0;  // the first sample of the reference that is not before
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    while (after < grid.size() && grid[after] < run.time_s[i] - slack) ++after;
+    if (after == 0 || (after < grid.size() && grid[after] <= run.time_s[i] + slack)) continue;
+    neighbours.MoveTo(grid[after - std::min(after, kNeighbours)],
+                      grid[std::min(after + kNeighbours - 1, grid.size() - 1)]);
+    const double low = neighbours.Min(), high = neighbours.Max(), part = kRoom * (high - low);
+    const double outside = std::max(low - run.values[i], run.values[i] - high);
+    const double room = std::max(part, hidden) + half_width, ratio = outside / room;
+    farthest.beyond = std::max(farthest.beyond, outside - part);
+    if (ratio <= farthest.ratio) continue;
+    farthest = {ratio, farthest.beyond, run.time_s[i], run.values[i], low - room, high + room};
+  }
+  return farthest;
+}
+
+/// Where a run leaves what lies between the samples of a thinned reference, the check fails by that.
+void JudgeBetween(const Farthest& between, const std::string& unit, score::Check& check) {
+  if (between.ratio <= 1.0) return;
+  check.verdict = score::Verdict::kFail;
+  check.value = std::max(check.value, between.ratio);
+  check.explanation = fmt::format(
+      "between two samples of the thinned reference, at t = {:.6g} s: {:.6g} {} where its neighbours allow {:.6g} to "
+      "{:.6g}{}{}",
+      between.time_s, between.value, unit, between.low, between.high, check.explanation.empty() ? "" : "; ",
+      check.explanation);
+}
+
+/// One signal that both traces have, in one unit.
+class SignalComparison {
+ public:
+  SignalComparison(const trace::Signal& signal, std::string name, std::string kind, const SignalTolerance& tolerance)
+      : signal_(signal), name_(std::move(name)), kind_(std::move(kind)), tolerance_(tolerance) {
+    options_.relative_width = tolerance.relative_width;
+    options_.nominal = signal.nominal;
+    options_.time_half_width_s = tolerance.time_half_width_s;
+  }
+
+  score::Check Whole(const score::Series& reference, const score::Series& test, std::vector<std::string>* notes) const {
+    const Result<CommonSpan> common = InCommon(reference, test);
+    if (!common.ok()) return NotCompared(name_, kind_, common.failure().message);
+    score::TubeOptions options = options_;
+    // An adaptive step may be as long as it likes: the reference's samples within it are held against the line.
+    options.max_gap_s = common->to_s - common->from_s;
+    options.interpolation_room = kInterpolationRoom;
+    options.from_s = common->from_s;
+    options.to_s = common->to_s;
+    score::Check check = Judge(reference, {common->test_time_s, test.values, test.interpolation}, options);
+    if (!common->note.empty()) {
+      if (notes != nullptr && std::find(notes->begin(), notes->end(), common->note) == notes->end())
+        notes->push_back(common->note);
+      check.explanation += (check.explanation.empty() ? "" : "; ") + common->note;
+    }
+    if (common->fault.empty()) return check;
+    score::Check failed = NotCompared(name_, kind_, common->fault);
+    failed.explanation +=
+        check.verdict == score::Verdict::kPass ? "; what both have is within the tube" : "; and " + check.explanation;
+    failed.evidence = check.evidence;
+    return failed;
+  }
+
+  score::Check Thinned(const score::Series& reference, const score::Series& test) const {
+    const std::vector<double> samples = SamplesAt(reference.time_s, test.time_s, test.values);
+    if (samples.empty()) return NotCompared(name_, kind_, "other time stamps: " + Described(test));
+    const double step = reference.time_s.back() - reference.time_s[reference.time_s.size() - 2];
+    if (test.time_s.back() > reference.time_s.back() + kEndSlack * step) {
+      return NotCompared(name_, kind_,
+                         fmt::format("the run goes on to {} s, the reference ends at {} s", test.time_s.back(),
+                                     reference.time_s.back()));
+    }
+    score::Check check = Judge(reference, {reference.time_s, samples, reference.interpolation}, options_, &test);
+    JudgeBetween(FarthestBetween(reference, test, tolerance_.relative_width * signal_.nominal,
+                                 tolerance_.between_width * signal_.nominal),
+                 signal_.unit, check);
+    return check;
+  }
+
+ private:
+  /// The tube. Where it fails, `all` samples of a test that was judged at some of them tell why: they show a delay that
+  /// is shorter than a step of the reference.
+  score::Check Judge(const score::Series& reference, const score::Series& test, const score::TubeOptions& options,
+                     const score::Series* all = nullptr) const {
+    const score::TubeResult result = score::CompareTube(reference, test, options);
+    score::Check check = score::TubeCheck(result, name_, tolerance_.origin);
+    check.kind = kind_ == "golden" ? "tube" : kind_;
+    check.evidence = score::TubeEvidence({signal_.name, signal_.unit, kind_, "run"}, reference, result, options);
+    if (check.verdict == score::Verdict::kPass || !result.first) return check;
+    const std::vector<double> everywhere = score::SampleAt(reference, result.time_s);
+    const score::Series wanted{result.time_s, everywhere, reference.interpolation};
+    const score::Series had{result.time_s, result.test, reference.interpolation};
+    const double threshold = options.relative_width * options.nominal;
+    check.explanation = Why(wanted, all != nullptr ? *all : had, threshold, signal_.unit, result.first->time_s) +
+                        fmt::format("; allowed: {:.3g}{}{}", threshold, signal_.unit.empty() ? "" : " ", signal_.unit);
+    if (options.time_half_width_s > 0.0) check.explanation += fmt::format(", {:.3g} s", options.time_half_width_s);
+    return check;
+  }
+
+  const trace::Signal& signal_;
+  std::string name_, kind_;
+  const SignalTolerance& tolerance_;
+  score::TubeOptions options_;
+};
+
+/// The signal that a tolerance was meant for: one of a similar name, one whose name begins it or which it begins, or
+/// the only one that has no tolerance.
+std::optional<std::string> Meant(const std::string& name, const std::vector<std::string>& signals,
+                                 const SignalTolerances& tolerances) {
+  std::vector<std::string> free;
+  std::copy_if(signals.begin(), signals.end(), std::back_inserter(free),
+               [&](const std::string& signal) { return !tolerances.contains(signal); });
+  if (const auto near = Closest(name, signals)) return near;
+  for (const std::string& signal : free) {
+    if (signal.starts_with(name) || name.starts_with(signal)) return signal;
+  }
+  return free.size() == 1 ? std::optional(free[0]) : std::nullopt;
+}
+
+}  // namespace
+
+score::Check NotCompared(const std::string& name, const std::string& kind, std::string why) {
+  score::Check check;
+  check.name = name;
+  check.kind = kind;
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.limit = 1.0;
+  check.unit = "1";
+  check.origin = "a comparison that does not happen proves nothing";
+  check.explanation = std::move(why);
+  return check;
+}
+
+std::vector<score::Check> CompareTraces(const trace::Trace& reference, const trace::Trace& test,
+                                        const SignalTolerances& tolerances, const std::string& kind,
+                                        ReferenceIs reference_is, std::vector<std::string>* notes) {
+  static const SignalTolerance kDefault;
+  std::vector<score::Check> checks;
+  for (const trace::Signal& want : reference.signals) {
+    const std::string name = kind + " " + want.name;
+    const trace::Signal* have = test.Find(want.name);
+    if (have == nullptr) {
+      checks.push_back(NotCompared(name, kind, fmt::format("the run has no signal \"{}\"", want.name)));
+      continue;
+    }
+    if (!SameUnit(have->unit, want.unit)) {
+      checks.push_back(NotCompared(name, kind, fmt::format("unit \"{}\" instead of \"{}\"", have->unit, want.unit)));
+      continue;
+    }
+    // The reference says what the signal does between two samples.
+    const score::Series golden{reference.TimeOf(want), want.values, ToScore(want.interpolation)};
+    const score::Series run{test.TimeOf(*have), have->values, golden.interpolation};
+    std::string fault = score::FaultOf(golden, "reference");
+    if (fault.empty()) fault = score::FaultOf(run, "run");
+    if (!fault.empty()) {
+      checks.push_back(NotCompared(name, kind, fault));
+      continue;
+    }
+    const auto found = tolerances.find(want.name);
+    const SignalComparison comparison(want, name, kind, found == tolerances.end() ? kDefault : found->second);
+    checks.push_back(reference_is == ReferenceIs::kThinned ? comparison.Thinned(golden, run)
+                                                           : comparison.Whole(golden, run, notes));
+  }
+  for (const trace::Signal& have : test.signals) {
+    if (reference.Find(have.name) != nullptr) continue;
+    checks.push_back(
+        NotCompared(kind + " " + have.name, kind, fmt::format("the reference has no signal \"{}\"", have.name)));
+  }
+  return checks;
+}
+
+void CheckTolerances(const SignalTolerances& tolerances, const trace::Trace& reference, const trace::Trace& test,
+                     Diagnostics& diagnostics) {
+  std::vector<std::string> names;
+  for (const trace::Trace* trace : {&reference, &test}) {
+    for (const trace::Signal& signal : trace->signals) names.push_back(signal.name);
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  for (const auto& [name, tolerance] : tolerances) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    const std::optional<std::string> near = Meant(name, names, tolerances);
+    diagnostics.Error(
+        tolerance.where, fmt::format("there is a tolerance for \"{}\", and neither trace has such a signal", name),
+        near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("the traces have {}", fmt::join(names, ", ")));
+  }
+}
+
+double BeyondNeighbours(const trace::Trace& thin, const trace::Signal& signal, const trace::Trace& run) {
+  const trace::Signal* of_run = run.Find(signal.name);
+  const score::Series grid{thin.TimeOf(signal), signal.values}, all{run.TimeOf(*of_run), of_run->values};
+  if (!score::FaultOf(grid, "thin").empty() || !score::FaultOf(all, "run").empty()) return 0.0;
+  return FarthestBetween(grid, all, 0.0, 0.0).beyond / signal.nominal;
+}
+
+}  // namespace dynoproof

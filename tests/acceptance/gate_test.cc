@@ -1,0 +1,209 @@
+// What a gate lets through, from outside: traces of other rasters, tolerances of nothing, modes of a clutch, a
+// benchmark that errs, a torque that meets the friction's limit.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/program.h"
+#include "trace/trace_io.h"
+
+namespace dynoproof::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class OtherRasters : public ::testing::Test {
+ protected:
+  /// A sine of one hertz, its gain 1 or another, at these steps in turn.
+  void Trace(const char* name, std::vector<double> steps_s, double end_s, double gain = 1.0, double spike_at = -1.0) {
+    trace::Trace trace;
+    trace::Signal signal{"T", "N m"};
+    double t = 0.0;
+    for (std::size_t i = 0; t <= end_s + 1e-9; t += steps_s[i++ % steps_s.size()]) {
+      trace.time.push_back(t);
+      const double spike = std::abs(t - spike_at) < 1e-9 ? 1e3 : 0.0;
+      signal.values.push_back(gain * std::sin(2.0 * M_PI * t) + spike);
+    }
+    trace.signals.push_back(std::move(signal));
+    ASSERT_FALSE(trace::WriteTrace(bench_ / name, trace));
+  }
+  Outcome Compare(const char* a, const char* b) {
+    return bench_.Call({"compare", a, b, "--tolerance", "wide.toml", "--json", "c.json"});
+  }
+  void SetUp() override {
+    bench_.Write("wide.toml", "[signal.T]\nrelative_width = 0.01\norigin = \"integration to 1 %\"\n");
+    Trace("fixed.h5", {1e-3}, 1.0);
+  }
+  Bench bench_;
+};
+
+TEST_F(OtherRasters, AreComparedOverTheCommonSpanWhichIsSaid) {
+  Trace("adaptive.h5", {1e-4, 3e-3, 7e-4, 2.2e-3}, 1.0);
+  Trace("slow.h5", {0.01}, 1.0);
+  Trace("long.h5", {7e-4}, 1.5);
+  for (const char* other : {"adaptive.h5", "slow.h5", "long.h5"}) {
+    const Outcome outcome = Compare("fixed.h5", other);
+    EXPECT_EQ(outcome.exit, 0) << other << outcome.Both();
+    EXPECT_THAT(outcome.out, HasSubstr("compared from 0 to")) << other;
+    const auto scenario = nlohmann::json::parse(ReadBytes(bench_ / "c.json"))["scenarios"][0];
+    EXPECT_THAT(scenario["notes"][0].get<std::string>(), HasSubstr("compared from 0 to"));
+    EXPECT_EQ(Compare(other, "fixed.h5").exit, 0) << other;
+  }
+  EXPECT_THAT(Compare("fixed.h5", "fixed.h5").out, Not(HasSubstr("compared from")));
+}
+
+TEST_F(OtherRasters, FailWithAGainOrASpikeWhereverItLies) {
+  Trace("wrong.h5", {1e-4, 3e-3, 7e-4, 2.2e-3}, 1.0, 1.1);
+  EXPECT_EQ(Compare("fixed.h5", "wrong.h5").exit, 1);
+  EXPECT_EQ(Compare("wrong.h5", "fixed.h5").exit, 1);
+  Trace("slow.h5", {0.01}, 1.0);
+  Trace("spike.h5", {1e-3}, 1.0, 1.0, 0.155);
+  for (const auto& [a, b] : {std::pair{"slow.h5", "spike.h5"}, {"spike.h5", "slow.h5"}}) {
+    const Outcome outcome = bench_.Call({"compare", a, b});
+    EXPECT_EQ(outcome.exit, 1) << outcome.Both();
+    EXPECT_THAT(outcome.out, HasSubstr("apart from t = 0.155 s on"));
+  }
+}
+
+TEST_F(OtherRasters, WithoutAnythingInCommonFail) {
+  Trace("short.h5", {1e-3}, 0.5);
+  EXPECT_THAT(Compare("fixed.h5", "short.h5").out, HasSubstr("the run is short"));
+  EXPECT_EQ(Compare("fixed.h5", "short.h5").exit, 1);
+}
+
+TEST_F(OtherRasters, AToleranceOfNoSignalIsAFaultOfItsFile) {
+  bench_.Write("wide.toml", "[signal.T_shaft]\nrelative_width = 1e-9\norigin = \"misspelt\"\n");
+  const Outcome outcome = Compare("fixed.h5", "fixed.h5");
+  EXPECT_EQ(outcome.exit, 2) << outcome.Both();
+  EXPECT_THAT(outcome.err, HasSubstr("wide.toml:1"));
+  EXPECT_THAT(outcome.err, HasSubstr("\"T_shaft\""));
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean \"T\"?"));
+}
+
+/// I1 - k1 - I2 - clutch - I3: the clutch is open in the linearised line.
+std::string Clutch(const std::string& law) {
+  return R"(title = "clutch"
+source = "own numbers"
+[run]
+duration_s = 0.1
+[plant]
+type = "drive_line"
+[plant.inertia]
+I1 = 1.0
+I2 = 0.5
+I3 = 0.5
+[plant.shaft.k1]
+between = ["I1", "I2"]
+stiffness_Nm_per_rad = 1e4
+[plant.shaft.clutch]
+between = ["I2", "I3"]
+)" + law +
+         R"(
+[plant.torque.T]
+on = "I1"
+[input.T]
+to = "plant.T"
+source = { type = "constant", value = 1.0 }
+[output.Tc]
+of = "plant.clutch.torque"
+[output.w3]
+of = "plant.I3.speed"
+[analysis]
+input = "T"
+output = "Tc"
+)";
+}
+
+TEST(ModesOfAClutch, AreThoseOfTheLineWithItOpen) {
+  const Bench bench;
+  const double w = std::sqrt(1e4 * (1.0 / 1.0 + 1.0 / 0.5)) / (2.0 * M_PI);
+  for (const char* law : {"law = \"coulomb\"\nT_c_Nm = 8.0", "law = \"dahl\"\nF_c_Nm = 8.0\nsigma_Nm_per_rad = 100.0",
+                          "law = \"stribeck\"\nT_c_Nm = 6.0\nT_s_Nm = 8.0\nw_s_rad_per_s = 1.0"}) {
+    bench.Write("clutch.toml", Clutch(law));
+    for (const char* output : {"Tc", "w3"}) {
+      const std::string chosen = std::string("analysis.output=") + output;
+      const Outcome outcome = bench.Call({"modes", "clutch.toml", "--set", chosen, "--json", "m.json"},
+                                         {.environment = {{"MALLOC_PERTURB_", "85"}}});
+      ASSERT_EQ(outcome.exit, 0) << law << outcome.Both();
+      EXPECT_THAT(outcome.out, HasSubstr("none: the input does not reach the output"));
+      EXPECT_THAT(outcome.out, HasSubstr("shaft \"clutch\" has no linear part"));
+      const auto document = nlohmann::json::parse(ReadBytes(bench / "m.json"));
+      ASSERT_EQ(document["modes"].size(), 3u);
+      EXPECT_EQ(document["modes"][1]["frequency_hz"], 0.0) << "both parts turn freely";
+      EXPECT_NEAR(document["modes"][2]["frequency_hz"].get<double>(), w, 1e-9);  // round-off
+      EXPECT_TRUE(document["zeros"].empty());
+      EXPECT_EQ(document["notes"].size(), 2u);
+    }
+  }
+}
+
+TEST(FrictionLimit, MetExactlyHoldsWithBothSolvers) {
+  const Bench bench;
+  bench.Write("friction.toml", R"(title = "friction"
+source = "own numbers"
+[run]
+duration_s = 1.0
+period_s = 1e-3
+[plant]
+type = "drive_line"
+[plant.inertia]
+I1 = 0.5
+[plant.load.bearing]
+on = "I1"
+law = "coulomb"
+T_c_Nm = 10.0
+[plant.torque.T]
+on = "I1"
+[input.T]
+to = "plant.T"
+source = { type = "jump", times_s = [0.1, 0.2, 0.4], values = [10.0, 12.0, 0.0] }
+[output.w1]
+of = "plant.I1.speed"
+[[check]]
+kind = "solvers"
+signal = "w1"
+nrmse = 1e-9
+origin = "one body, piecewise constant torque"
+)");
+  for (const char* solver : {"realtime", "reference"}) {
+    const Outcome outcome = bench.Call({"run", "friction.toml", "--solver", solver, "--out", solver});
+    EXPECT_EQ(outcome.exit, 0) << outcome.Both();
+    const Result<trace::Trace> trace = trace::ReadTrace(bench / solver / "friction.h5");
+    ASSERT_TRUE(trace.ok());
+    const std::vector<double>& w = trace->Find("w1")->values;
+    EXPECT_NEAR(w[400], 0.8, 1e-10) << solver;
+    EXPECT_NEAR(w.back(), 0.0, 1e-10) << solver;
+  }
+}
+
+TEST(HistoryOfABenchmark, ThatErrsFailsTheCheck) {
+  const Bench bench;
+  const auto night = [&](int number, bool fails) {
+    const std::string step = std::to_string(100.0 + 0.2 * (7 * number % 5));
+    const std::string line =
+        fails ? R"("cpu_time": 0.0, "error_occurred": true, "error_message": "failed")" : "\"cpu_time\": " + step;
+    bench.Write("n.json", R"({"context": {}, "benchmarks": [
+      {"name": "core/step", "run_name": "core/step", "run_type": "iteration", "time_unit": "ns", "cpu_time": )" +
+                              step + R"(},
+      {"name": "core/line", "run_name": "core/line", "run_type": "iteration", "time_unit": "ns", )" +
+                              line + "}]}");
+    return bench.Call({"history", "add", "n.json", "--db", "h.sqlite", "--machine", "m"});
+  };
+  for (int number = 1; number <= 20; ++number) {
+    const Outcome added = night(number, number > 10);
+    ASSERT_EQ(added.exit, 0) << added.Both();
+    EXPECT_EQ(added.err.find("time/core/line") != std::string::npos, number > 10);
+  }
+  const Outcome check = bench.Call({"history", "check", "--db", "h.sqlite", "--json", "c.json"});
+  EXPECT_EQ(check.exit, 1) << check.Both();
+  EXPECT_THAT(check.out, HasSubstr("missing  time/core/line"));
+  EXPECT_THAT(check.out, HasSubstr("20 nights")) << "added within seconds, and all are there";
+  const auto finding = nlohmann::json::parse(ReadBytes(bench / "c.json"))["findings"][0];
+  EXPECT_EQ(finding["kind"], "missing");
+  EXPECT_TRUE(finding["after"].is_null());
+}
+
+}  // namespace
+}  // namespace dynoproof::test

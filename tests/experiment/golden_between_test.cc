@@ -1,0 +1,198 @@
+// What a comparison sees beside the reference's own samples: between them, on other rasters, beyond the common span.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "base/text.h"
+#include "experiment/golden.h"
+#include "tests/support/temp_dir.h"
+#include "trace/trace_io.h"
+
+namespace dynoproof {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+double Course(double t) { return 80.0 * std::sin(20.0 * t); }
+
+/// One signal T at these instants.
+trace::Trace At(const std::vector<double>& times, double (*course)(double) = Course) {
+  trace::Trace trace;
+  trace.time = times;
+  trace::Signal signal{"T", "N m", "a torque", 100.0};
+  for (const double t : times) signal.values.push_back(course(t));
+  trace.signals.push_back(std::move(signal));
+  return trace;
+}
+
+std::vector<double> Every(double step_s, double from_s, double to_s) {
+  std::vector<double> times;
+  for (int i = 0; from_s + i * step_s <= to_s + 1e-9; ++i) times.push_back(from_s + i * step_s);
+  return times;
+}
+
+struct Outcome {
+  score::Verdict verdict;
+  std::string why;
+  std::vector<std::string> notes;
+};
+Outcome Compare(const trace::Trace& reference, const trace::Trace& test, ReferenceIs is = ReferenceIs::kWhole) {
+  Outcome outcome{};
+  const std::vector<score::Check> checks = CompareTraces(reference, test, {}, "tube", is, &outcome.notes);
+  for (const score::Check& check : checks) outcome.why += check.explanation;
+  outcome.verdict = score::Combine(checks);
+  return outcome;
+}
+
+constexpr score::Verdict kPass = score::Verdict::kPass, kFail = score::Verdict::kFail;
+
+TEST(CompareTraces, SeesASpikeBetweenTheSamplesOfEither) {
+  const trace::Trace coarse = At(Every(0.01, 0.0, 1.0));
+  trace::Trace fine = At(Every(0.001, 0.0, 1.0));
+  EXPECT_EQ(Compare(coarse, fine).verdict, kPass);
+  EXPECT_EQ(Compare(fine, coarse).verdict, kPass);
+  fine.signals[0].values[155] += 1e5;
+  EXPECT_EQ(Compare(coarse, fine).verdict, kFail);
+  EXPECT_THAT(Compare(coarse, fine).why, HasSubstr("apart from t = 0.155 s on"));
+  EXPECT_EQ(Compare(fine, coarse).verdict, kFail);
+}
+
+TEST(CompareTraces, ComparesOtherRastersOverTheirCommonSpanAndSaysSo) {
+  const trace::Trace reference = At(Every(0.001, 0.0, 1.0));
+  EXPECT_THAT(Compare(reference, reference).notes, IsEmpty());
+  const std::vector<double> longer = Every(0.0007, 0.0, 1.2), later = Every(0.0013, 0.1, 1.0);
+  const std::vector<double> shorter = Every(0.0007, 0.0, 0.8);
+  for (const auto& [times, span] :
+       {std::pair{longer, "from 0 to 1 s"}, {later, "from 0.1 to 0.9996 s"}, {shorter, "from 0 to 0.7994 s"}}) {
+    for (const bool turned : {false, true}) {
+      const trace::Trace other = At(times);
+      const Outcome outcome = turned ? Compare(other, reference) : Compare(reference, other);
+      EXPECT_EQ(outcome.verdict, kPass) << span << ": " << outcome.why;
+      ASSERT_THAT(outcome.notes, SizeIs(1));
+      EXPECT_THAT(outcome.notes[0], HasSubstr("compared " + std::string(span)));
+      EXPECT_THAT(outcome.why, HasSubstr("compared " + std::string(span)));
+    }
+    EXPECT_EQ(Compare(reference, At(times, [](double t) { return 1.001 * Course(t); })).verdict, kFail) << span;
+  }
+}
+
+TEST(CompareTraces, WhatWasCutOffOrIsFarFromCommonFails) {
+  const trace::Trace reference = At(Every(0.001, 0.0, 1.0));
+  const auto expect_fault = [&](const std::vector<double>& times, const char* text) {
+    const Outcome outcome = Compare(reference, At(times));
+    EXPECT_EQ(outcome.verdict, kFail) << text;
+    EXPECT_THAT(outcome.why, HasSubstr(text));
+  };
+  // On the reference's own raster, a part of it or more than it.
+  expect_fault(Every(0.001, 0.0, 0.6), "the run is short: it goes from 0 to 0.6 s");
+  expect_fault(Every(0.001, 0.0, 0.6), "what both have is within the tube");
+  expect_fault(Every(0.001, 0.2, 1.0), "the run is short");
+  expect_fault(Every(0.001, 0.0, 1.3), "the run goes on");
+  // On another one, less than half of it, or nothing.
+  expect_fault(Every(0.0007, 0.0, 0.4), "the run is short");
+  expect_fault(Every(0.0007, 1.5, 2.0), "nothing in common in time");
+  expect_fault(Every(0.001, 1.0, 2.0), "nothing in common in time");
+  // A last sample that one program counts and another does not.
+  for (const double end : {0.999, 1.001}) EXPECT_EQ(Compare(reference, At(Every(0.001, 0.0, end))).verdict, kPass);
+}
+
+TEST(CompareTraces, StampsThatDifferByRoundOffAreTheSame) {
+  const trace::Trace reference = At(Every(0.001, 0.0, 1.0));
+  trace::Trace summed = reference;
+  for (std::size_t i = 1; i < summed.time.size(); ++i) summed.time[i] = summed.time[i - 1] + 0.001;
+  const Outcome outcome = Compare(reference, summed);
+  EXPECT_EQ(outcome.verdict, kPass) << outcome.why;
+  EXPECT_THAT(outcome.notes, IsEmpty());
+}
+
+TEST(CompareTraces, UnitsAreComparedByTheirMeaning) {
+  const trace::Trace reference = At(Every(0.001, 0.0, 1.0));
+  trace::Trace test = reference;
+  for (const char* same : {"Nm", "N*m", "N m"}) {
+    test.signals[0].unit = same;
+    EXPECT_EQ(Compare(reference, test).verdict, kPass) << same;
+  }
+  for (const char* other : {"kN m", "N", "", "N m/rad", "furlongs"}) {
+    test.signals[0].unit = other;
+    EXPECT_EQ(Compare(reference, test).verdict, kFail) << other;
+  }
+}
+
+TEST(CompareTraces, AToleranceThatBelongsToNoSignalIsAFault) {
+  const trace::Trace trace = At(Every(0.01, 0.0, 1.0));
+  Diagnostics diagnostics;
+  CheckTolerances({{"T", {}}}, trace, trace, diagnostics);
+  EXPECT_FALSE(diagnostics.has_errors());
+  CheckTolerances({{"t", {}}, {"T_shaft", {}}}, trace, trace, diagnostics);
+  EXPECT_EQ(diagnostics.error_count(), 2);
+  EXPECT_THAT(diagnostics.Format(), HasSubstr("\"T_shaft\""));
+  EXPECT_THAT(diagnostics.Format(), HasSubstr("did you mean \"T\"?"));
+}
+
+TEST(ThinnedReference, HoldsWhatLiesBetweenToItsNeighbours) {
+  const trace::Trace run = At(Every(1e-4, 0.0, 2.0)), thin = Thin(run, 20'000);
+  ASSERT_LT(thin.time.size(), run.time.size() / 4);
+  EXPECT_EQ(Compare(thin, run, ReferenceIs::kThinned).verdict, kPass);
+  for (const double spike : {400.0, -400.0, 1e5}) {
+    trace::Trace spoilt = run;
+    spoilt.signals[0].values[10'001] += spike;
+    const Outcome outcome = Compare(thin, spoilt, ReferenceIs::kThinned);
+    EXPECT_EQ(outcome.verdict, kFail) << spike;
+    EXPECT_THAT(outcome.why, HasSubstr("between two samples of the thinned reference, at t = 1.0001 s"));
+  }
+  trace::Trace tail = run;  // a sample after the last one that was kept
+  ASSERT_LT(thin.time.back(), run.time.back());
+  tail.signals[0].values.back() += 400.0;
+  EXPECT_EQ(Compare(thin, tail, ReferenceIs::kThinned).verdict, kFail);
+  // Where nothing moves, nothing may.
+  const auto rest = [](double) { return 5.0; };
+  trace::Trace quiet = At(run.time, rest);
+  quiet.signals[0].values[10'001] += 1e-3;
+  EXPECT_EQ(Compare(Thin(At(run.time, rest), 20'000), quiet, ReferenceIs::kThinned).verdict, kFail);
+  // On another raster a run is no run of that scenario.
+  EXPECT_EQ(Compare(thin, At(Every(1.1e-4, 0.0, 2.0)), ReferenceIs::kThinned).verdict, kFail);
+}
+
+/// Noise and lone pulses leave the range of their neighbours: bless states by how much, and the run passes.
+TEST(ThinnedReference, KnowsHowFarTheBlessedRunWent) {
+  const test::TempDir folder;
+  const GoldenPlace place{(folder / "noise.h5").string(), (folder / "noise.toml").string(), "dynoproof bless"};
+  trace::Trace run = At(Every(1e-4, 0.0, 2.0), [](double) { return 0.0; });
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (double& value : run.signals[0].values) value = normal(random);
+  run.signals[0].values[10'001] += 50.0;
+  run.provenance.Set("solver", "realtime");
+  ASSERT_FALSE(WriteGolden(place, {run, run, {}, "test"}));
+  const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
+  ASSERT_TRUE(tolerances.ok());
+  // The pulse less once and a half the range of the noise (5 or so), over the nominal, with the room that bless adds.
+  EXPECT_GT(tolerances->signals.at("T").between_width, 1.5 * 0.40);
+  EXPECT_LT(tolerances->signals.at("T").between_width, 1.5 * 0.48);
+  EXPECT_EQ(score::Combine(CompareWithGolden(place, {}, run)), kPass);
+  run.signals[0].values[10'002] += 100.0;
+  EXPECT_EQ(score::Combine(CompareWithGolden(place, {}, run)), kFail);
+}
+
+TEST(ThinnedReference, AToleranceOfNothingFails) {
+  const test::TempDir folder;
+  const GoldenPlace place{(folder / "a.h5").string(), (folder / "a.toml").string(), "dynoproof bless"};
+  trace::Trace run = At(Every(1e-3, 0.0, 1.0));
+  run.provenance.Set("solver", "realtime");
+  ASSERT_FALSE(WriteGolden(place, {run, run, {}, "test"}));
+  const std::string text = *ReadTextFile(place.tolerances);
+  folder.Write("a.toml", text + "\n[signal.T_shaft]\nrelative_width = 1e-3\norigin = \"x\"\n");
+  const std::vector<score::Check> checks = CompareWithGolden(place, {}, run);
+  EXPECT_EQ(score::Combine(checks), kFail);
+  std::string why;
+  for (const score::Check& check : checks) why += check.explanation;
+  EXPECT_THAT(why, HasSubstr("\"T_shaft\""));
+}
+
+}  // namespace
+}  // namespace dynoproof
