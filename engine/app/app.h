@@ -55,6 +55,7 @@ void AddList(CLI::App& program, int& exit);
 void AddDescribe(CLI::App& program, int& exit);
 void AddValidate(CLI::App& program, int& exit);
 void AddNew(CLI::App& program, int& exit);
+void AddExport(CLI::App& program, int& exit);
 void AddCompare(CLI::App& program, int& exit);
 void AddBench(CLI::App& program, int& exit);
 void AddSweep(CLI::App& program, int& exit);

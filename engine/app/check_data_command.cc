@@ -1,11 +1,14 @@
 // dynoproof check-data
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
+#include "scenario/find.h"
+#include "scenario/load.h"
 
 namespace dynoproof::app {
 namespace {
@@ -15,32 +18,78 @@ struct CheckArguments {
   std::string data, map, scenario;
 };
 
+/// Columns that a map or the scenario asks for, by name; all of them where neither does.
+std::vector<std::string> Used(const CheckArguments& arguments, const trace::Record& record, const RecordMap& map) {
+  if (!map.file.empty()) return map.Columns();
+  if (arguments.scenario.empty()) return record.Names();
+  Diagnostics ignored;  // reported where the scenario is loaded
+  std::vector<std::string> names;
+  for (const std::string& file : FindScenarios(arguments.scenario, ignored)) {
+    const std::optional<Plan> plan = LoadPlan(file, {}, ignored);
+    for (const char* section : {"input", "output"}) {
+      const Value* table = plan ? plan->root.Find(section) : nullptr;
+      if (table == nullptr || !table->is_table()) continue;
+      for (const std::string& name : KeysOf(*table)) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+/// A map alone: its columns, units and clocks, without a scenario that would say what they are.
+void CheckMap(const trace::Record& record, const RecordMap& map, Diagnostics& diagnostics) {
+  std::vector<SignalName> inputs, outputs;
+  for (const ChannelMap& channel : map.inputs) inputs.push_back({channel.name, channel.unit});
+  for (const ChannelMap& channel : map.outputs) outputs.push_back({channel.name, channel.unit});
+  const std::optional<MappedRecord> mapped = MapRecord(record, map, inputs, outputs, diagnostics);
+  if (!mapped) return;
+  for (const std::string& note : mapped->notes) Note(note + "\n");
+}
+
 int CheckData(const CheckArguments& arguments) {
-  const Result<trace::Record> record = ReadRecord(arguments.data);
+  Diagnostics diagnostics;
+  const std::optional<RecordMap> map = ReadRecordMap(arguments.map, diagnostics);
+  if (!map) return Report(diagnostics);
+  const Result<trace::Record> record = ReadRecord(arguments.data, *map);
   if (!record.ok()) {
     Complain(record.failure().ToString() + "\n");
     return kUsage;
   }
   std::vector<diagnosis::Finding> findings = diagnosis::CheckRecord(*record);
-  if (arguments.scenario.empty()) {
-    for (const std::string& note : record->notes) Note(note + "\n");
+  // What nobody uses is worth a note at most; stamps are used by all.
+  const std::vector<std::string> used = Used(arguments, *record, *map);
+  for (diagnosis::Finding& finding : findings) {
+    const std::optional<std::size_t> index = record->Find(finding.column);
+    const bool time = index && std::any_of(record->columns.begin(), record->columns.end(),
+                                           [&](const trace::Column& column) { return column.time == index; });
+    if (!time && std::find(used.begin(), used.end(), finding.column) == used.end()) finding.fault = false;
   }
-  Diagnostics diagnostics;
-  if (!arguments.map.empty() && arguments.scenario.empty())
-    diagnostics.Error({"--map"}, "says which column is which signal of a scenario", "add --scenario ID");
-  // What is no number or does not rise cannot be simulated with: the record's own faults come first.
+  if (arguments.scenario.empty() && arguments.map.empty()) {
+    for (const std::string& note : record->notes) Note(note + "\n");
+  } else if (arguments.scenario.empty()) {
+    CheckMap(*record, *map, diagnostics);
+  }
+  // What is no number or falls cannot be simulated with: the record's own faults come first. A map may allow for cells
+  // that are missing.
   const bool usable = std::none_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
-    return f.kind == "not_finite" || f.kind == "not_rising" || f.kind == "short";
+    return f.fault && (f.kind == "not_rising" || f.kind == "short");
   });
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
   bool compared = false;
   if (!arguments.scenario.empty() && usable) {
     const std::vector<std::string> maps =
         arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
+    Diagnostics loading;
     const std::optional<MeasuredCase> measured =
-        LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, *registry, diagnostics);
+        LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, *registry, loading);
+    // A used column with cells that are no numbers is told by the finding, with all others.
+    const bool told = !measured && std::any_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
+      return f.fault && f.kind == "not_finite";
+    });
+    if (!told) diagnostics.Append(loading);
     if (measured) {
       for (const std::string& note : measured->data.front().notes) Note(note + "\n");
+      // The mapper has spoken of cells without a number.
+      std::erase_if(findings, [](const diagnosis::Finding& f) { return f.kind == "not_finite"; });
       const diagnosis::EstimationProblem problem(measured->plan, measured->data, *registry);
       for (const auto& check : {diagnosis::CheckAgainst, diagnosis::DistancesOf}) {
         const Result<std::vector<diagnosis::Finding>> against = check(problem);

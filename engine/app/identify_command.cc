@@ -172,7 +172,7 @@ int Identify(const IdentifyArguments& arguments) {
     Complain(fmt::format("{}: {}\n", record.file, why));
     return kUndecided;
   }
-  const Result<identification::Identified> result = identification::Identify(
+  const Result<identification::Identified> result = identification::IdentifyBetween(
       measured->plan, measured->data, *registry,
       {keys, kMethods.at(arguments.method), arguments.starts, [](double done) { ShowProgress("fitting", done); }});
   ClearProgress();
@@ -182,7 +182,9 @@ int Identify(const IdentifyArguments& arguments) {
   }
   Print(arguments.common, identification::ToTable(*result));
   nlohmann::json document = identification::ToJson(*result);
-  int exit = result->converged == 0 ? kUndecided : kGood;
+  for (const std::string& note : result->notes) Note(note + "\n");
+  for (const std::string& doubt : result->doubts) Complain(doubt + "\n");
+  int exit = result->converged == 0 || !result->doubts.empty() ? kUndecided : kGood;
   if (!arguments.out.empty()) {
     const std::filesystem::path out = Whole(arguments.out);
     const std::string include = Whole(measured->file).lexically_relative(out.parent_path()).generic_string();

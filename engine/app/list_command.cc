@@ -8,6 +8,7 @@
 #include "app/app.h"
 #include "app/examples.h"
 #include "experiment/prepare.h"
+#include "experiment/record_map.h"
 #include "experiment/warnings.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -222,6 +223,7 @@ int Describe(const Common& common, const std::string& name) {
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
   nlohmann::json document = nlohmann::json::object();
   std::string text = DescribePlugins(*registry, name, document);
+  if (name == "map") text += DescribeRecordMap();
   if (const Effect* effect = registry->FindEffect(name)) text += DescribeEffect(effect->info(), document);
   if (text.empty()) {
     Diagnostics search;
@@ -283,13 +285,14 @@ void AddDescribe(CLI::App& program, int& exit) {
     std::string name;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("describe", "a plugin, effect, check or scenario: law, parameters, ports, source");
+  CLI::App* command = program.add_subcommand(
+      "describe",
+      "a plugin, effect, check or scenario: law, parameters, ports, source; or `map`: the keys of a map file");
   command->add_option("name", arguments->name, "its name")->required();
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof describe drive_line\n  dynoproof describe coulomb_friction\n  dynoproof describe "
-              "r2r/soft_rotor_setup_1");
+              "r2r/soft_rotor_setup_1\n  dynoproof describe map");
   command->callback([arguments, &exit] { exit = Describe(arguments->common, arguments->name); });
 }
 

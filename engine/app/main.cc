@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
   app::AddDescribe(program, exit);
   app::AddValidate(program, exit);
   app::AddNew(program, exit);
+  app::AddExport(program, exit);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -2,12 +2,46 @@
 
 #include <fmt/format.h>
 
+#include "experiment/drive_by_record.h"
+#include "experiment/prediction_windows.h"
 #include "experiment/prepare.h"
+#include "identification/between_samples.h"
+#include "identification/start.h"
 #include "model/effect.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
+
+namespace {
+
+/// "omega_1 0.772 rad/s and not 0".
+std::string FirstSamples(const identification::EstimationProblem& problem) {
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(problem.plan());
+  std::string text;
+  for (const identification::Channel& c : problem.channels())
+    text += fmt::format("{}{} at {:.4g} {}{}", text.empty() ? "" : ", ", c.name, problem.measured()[c.begin], c.unit,
+                        predicted.ok() ? fmt::format(" and not {:.4g}", (*predicted)[c.begin]) : "");
+  return text;
+}
+
+}  // namespace
+
+bool BringIn(const Plan& plan, const Registry& registry, MappedRecord& record, Diagnostics& diagnostics) {
+  if (const std::string foreign = ForeignTimeScale(record, plan); !foreign.empty()) {
+    diagnostics.Error({record.file}, foreign, "say it in a map file: time = { column = \"t\", unit = \"ms\" }");
+    return false;
+  }
+  record = OntoClock(std::move(record), plan);
+  const identification::EstimationProblem problem(plan, {record}, registry);
+  if (!record.outputs.empty() && !problem.records().front().outputs.empty() && !PredictionWindow(plan) &&
+      identification::BeginsInMotion(problem)) {
+    record.in_motion = true;
+    record.notes.push_back("the record begins in motion, the scenario does not: " + FirstSamples(problem));
+  }
+  identification::ChooseBetween(plan, registry, record);
+  return true;
+}
 
 std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std::vector<std::string>& data,
                                          const std::vector<std::string>& maps, const std::vector<std::string>& holdout,
@@ -36,16 +70,21 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
   }
   for (std::size_t i = 0; i < records; ++i) {
     const std::string& file = i < data.size() ? data[i] : holdout[i - data.size()];
-    const Result<trace::Record> record = ReadRecord(file);
-    if (!record.ok()) {
-      diagnostics.Error({file}, record.failure().message);
-      continue;
-    }
     const std::string map = maps.empty() ? "" : maps.size() == 1 ? maps[0] : maps[i];
-    std::optional<MappedRecord> mapped = MapRecord(*record, map, inputs, outputs, diagnostics);
-    if (mapped) (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
+    std::optional<MappedRecord> mapped = OpenRecord(file, map, inputs, outputs, diagnostics);
+    if (!mapped || !BringIn(result.plan, registry, *mapped, diagnostics)) continue;
+    (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
   }
   if (diagnostics.error_count() != before) return std::nullopt;
+  // One problem has one set of start values.
+  const auto moves = [](const MappedRecord& record) { return record.in_motion; };
+  if (std::any_of(result.data.begin(), result.data.end(), moves)) {
+    for (std::vector<MappedRecord>* group : {&result.data, &result.holdout}) {
+      for (MappedRecord& record : *group) record.in_motion = true;
+    }
+  } else {
+    for (MappedRecord& record : result.holdout) record.in_motion = false;
+  }
   return result;
 }
 

@@ -9,8 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
+#include "app/map_proposal.h"
 #include "app/templates.h"
 #include "experiment/build_info.h"
+#include "experiment/measured_record.h"
+#include "experiment/prepare.h"
+#include "scenario/find.h"
 
 namespace dynoproof::app {
 namespace {
@@ -161,24 +165,56 @@ int New(const Common& common, const std::string& what, const std::string& name) 
   return kGood;
 }
 
+/// A map that brings a record onto a scenario, as far as its columns tell.
+int NewMap(const Common& common, const std::string& record_file, const std::string& scenario) {
+  Diagnostics diagnostics;
+  if (scenario.empty())
+    diagnostics.Error({"--scenario"}, "a map says which column is which signal of a scenario", "add --scenario ID");
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::vector<std::string> files =
+      scenario.empty() ? std::vector<std::string>() : FindScenarios(scenario, diagnostics);
+  if (files.size() > 1) diagnostics.Error({scenario}, "names several scenarios", "name one");
+  std::unique_ptr<Prepared> prepared;
+  if (files.size() == 1) prepared = Prepare(files[0], {}, *registry, diagnostics);
+  const Result<trace::Record> record = ReadRecord(record_file);
+  if (!record.ok()) diagnostics.Error({record_file}, record.failure().message);
+  const std::string file = fs::path(record_file).stem().string() + ".map.toml";
+  std::error_code error;
+  if (fs::exists(file, error)) diagnostics.Error({file}, "is there already", "remove it, or go on with it");
+  if (Report(diagnostics) != kGood || prepared == nullptr) return kUsage;
+  if (const int failed = WriteText(file, ProposeMap(*record, InputNames(*prepared->rig), OutputNames(*prepared->rig))))
+    return failed;
+  Print(
+      common,
+      fmt::format("{1}\nnext:\n  {0} check-data {2} --map {1} --scenario {3}\n  {0} identify {3} --data {2} --map {1} "
+                  "--free KEY,...\n",
+                  Called(), file, record_file, scenario));
+  KeepJson({{"files", {file}}});
+  return kGood;
+}
+
 }  // namespace
 
 void AddNew(CLI::App& program, int& exit) {
   struct Arguments {
     Common common;
-    std::string what, name;
+    std::string what, name, scenario;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("new", "a template that already runs and passes, or builds and loads");
-  command->add_option("what", arguments->what, "scenario, law, effect, check or project")
+  command->add_option("what", arguments->what, "scenario, law, effect, check, project or map")
       ->required()
-      ->check(CLI::IsMember({"scenario", "law", "effect", "check", "project"}));
-  command->add_option("name", arguments->name, "its name")->required();
+      ->check(CLI::IsMember({"scenario", "law", "effect", "check", "project", "map"}));
+  command->add_option("name", arguments->name, "its name; of a map the record")->required();
+  command->add_option("--scenario", arguments->scenario, "of a map: whose signals the record holds");
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new check calm\n"
-              "  dynoproof new project pumps");
-  command->callback([arguments, &exit] { exit = New(arguments->common, arguments->what, arguments->name); });
+              "  dynoproof new project pumps\n  dynoproof new map bench_17.csv --scenario my_line.toml");
+  command->callback([arguments, &exit] {
+    exit = arguments->what == "map" ? NewMap(arguments->common, arguments->name, arguments->scenario)
+                                    : New(arguments->common, arguments->what, arguments->name);
+  });
 }
 
 }  // namespace dynoproof::app

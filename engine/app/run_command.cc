@@ -11,6 +11,7 @@
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "app/measured.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "experiment/prepare.h"
@@ -110,12 +111,7 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
 }
 
 std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& rig, Diagnostics& diagnostics) {
-  const Result<trace::Record> record = ReadRecord(arguments.data);
-  if (!record.ok()) {
-    diagnostics.Error({arguments.data}, record.failure().message);
-    return std::nullopt;
-  }
-  return MapRecord(*record, arguments.map, InputNames(rig), OutputNames(rig), diagnostics);
+  return OpenRecord(arguments.data, arguments.map, InputNames(rig), OutputNames(rig), diagnostics);
 }
 
 int Run(const RunArguments& arguments) {
@@ -154,7 +150,7 @@ int Run(const RunArguments& arguments) {
   std::optional<MappedRecord> data;
   if (!arguments.data.empty() && scenarios.size() == 1) {
     data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
-    if (data) {
+    if (data && BringIn(scenarios[0]->plan, *registry, *data, diagnostics)) {
       options.data = &*data;
       scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
     }

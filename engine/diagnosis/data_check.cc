@@ -7,76 +7,63 @@
 #include <cmath>
 #include <complex>
 
+#include "base/units.h"
+#include "diagnosis/value_check.h"
 #include "score/fft.h"
 #include "score/series.h"
+#include "trace/time_base.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
 void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
-  const std::vector<double>& t = time.values;
-  if (t.size() < 2) return;
+  // A gap this long is no lost row any more: what the input did in it nobody knows.
+  constexpr double kLost = 10.0;  // usual steps
+  const std::optional<Unit> unit = ParseUnit(time.unit.empty() ? "s" : time.unit);
+  if (!unit || !SameQuantity(*unit, *ParseUnit("s"))) {
+    findings.push_back(
+        {true, "unit", time.name, fmt::format("is in \"{}\", which is no unit of time", time.unit), 0, 0.0});
+    return;
+  }
+  std::vector<double> stamps;  // behind the end of a shorter raster there are none
+  for (const double t : time.values) {
+    if (std::isfinite(t)) stamps.push_back(t);
+  }
+  if (stamps.size() < 2) return;
   std::size_t falls = 0, first_fall = 0;
-  for (std::size_t i = 1; i < t.size(); ++i) {
-    if (std::isfinite(t[i]) && std::isfinite(t[i - 1]) && !(t[i] > t[i - 1]) && falls++ == 0) first_fall = i;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (stamps[i] < stamps[i - 1] && falls++ == 0) first_fall = i;
   }
   if (falls > 0) {
     findings.push_back({true, "not_rising", time.name,
-                        fmt::format("{} time stamps repeat or fall, the first in row {} ({} after {})", falls,
-                                    first_fall, t[first_fall], t[first_fall - 1]),
-                        falls, t[first_fall]});
+                        fmt::format("{} time stamps fall, the first in row {} ({} after {})", falls, first_fall,
+                                    stamps[first_fall], stamps[first_fall - 1]),
+                        falls, stamps[first_fall]});
     return;
   }
-  if (!std::all_of(t.begin(), t.end(), [](double x) { return std::isfinite(x); })) return;
-  const double step = score::MedianStep(t);
-  std::size_t gaps = 0, first_gap = 0, jitters = 0, first_jitter = 0;
-  double missing = 0.0, worst = 0.0;
-  for (std::size_t i = 1; i < t.size(); ++i) {
-    const double off = t[i] - t[i - 1] - step;
-    if (off > 0.5 * step) {
-      if (gaps++ == 0) first_gap = i;
-      missing += off;
-      // Stamps rounded to their last digit are no jitter: 2 % of a step does no harm to a held input.
-    } else if (std::abs(off) > 0.02 * step) {
-      if (jitters++ == 0) first_jitter = i;
-      worst = std::max(worst, std::abs(off));
-    }
-  }
-  if (gaps > 0)
-    findings.push_back({true, "gap", time.name,
-                        fmt::format("{} gaps, {:.4g} s in all, the first at {:.6g} s (row {})", gaps, missing,
-                                    t[first_gap - 1], first_gap),
-                        gaps, t[first_gap - 1]});
-  if (jitters > 0)
-    findings.push_back({false, "jitter", time.name,
-                        fmt::format("{} steps differ from {:.6g} s by up to {:.1f} %, the first at {:.6g} s", jitters,
-                                    step, 100.0 * worst / step, t[first_jitter - 1]),
-                        jitters, t[first_jitter - 1]});
-}
-
-/// Runs of the same extreme value: a converter at its end.
-void CheckClipping(const trace::Column& column, const std::vector<double>* time, std::vector<Finding>& findings) {
-  const std::vector<double>& x = column.values;
-  const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  for (const double level : {*low, *high}) {
-    std::size_t clipped = 0, runs = 0, first = 0;
-    for (std::size_t i = 0; i < x.size();) {
-      std::size_t end = i;
-      while (end < x.size() && x[end] == level) ++end;
-      if (end - i >= 4) {
-        if (runs++ == 0) first = i;
-        clipped += end - i;
-      }
-      i = std::max(end, i + 1);
-    }
-    // Twice the same run at the extreme value: a pulse has one, a converter at its end many.
-    if (runs < 2 || clipped > x.size() / 2) continue;
-    const double at = time != nullptr ? (*time)[first] : 0.0;
-    findings.push_back(
-        {false, "clipping", column.name,
-         fmt::format("{} samples in {} runs stay at {:.6g}, the first in row {}", clipped, runs, level, first), clipped,
-         at});
-  }
+  const trace::TimeBase base = trace::TimeBaseOf(stamps, unit->factor);
+  if (base.events > 0)
+    findings.push_back({false, "event", time.name,
+                        fmt::format("{} instants have several rows: the values before and after an event", base.events),
+                        base.events, 0.0});
+  if (base.uniform() && base.dropped > 0)
+    findings.push_back({base.longest_gap_s > kLost * base.step_s,
+                        base.longest_gap_s > kLost * base.step_s ? "gap" : "dropped", time.name,
+                        fmt::format("{} rows are missing of {} in {} gaps, the longest {:.4g} s at {:.6g} s (row {})",
+                                    base.dropped, base.time_s.size() + base.dropped, base.gaps, base.longest_gap_s,
+                                    base.longest_gap_at_s, base.longest_gap_row),
+                        base.gaps, base.longest_gap_at_s});
+  if (base.uniform() || base.time_s.size() < 3) return;
+  const double off = base.jitter_s / base.usual_step_s;
+  findings.push_back({false, "jitter", time.name,
+                      fmt::format("steps differ from {:.6g} s by up to {:.3g} s ({:.2g} %)", base.usual_step_s,
+                                  base.jitter_s, 100.0 * off),
+                      base.time_s.size(), 0.0});
+  if (base.gaps > 0)
+    findings.push_back({base.longest_gap_s > kLost * base.usual_step_s, "gap", time.name,
+                        fmt::format("{} gaps, the longest {:.4g} s at {:.6g} s (row {})", base.gaps, base.longest_gap_s,
+                                    base.longest_gap_at_s, base.longest_gap_row),
+                        base.gaps, base.longest_gap_at_s});
 }
 
 /// Standard deviation.
@@ -180,7 +167,7 @@ std::vector<Finding> CheckRecord(const trace::Record& record) {
           {false, "constant", column.name, fmt::format("is {:.6g} throughout", *low), column.values.size(), 0.0});
       continue;
     }
-    CheckClipping(column, column.time ? &record.columns[*column.time].values : nullptr, findings);
+    CheckValues(column, column.time ? &record.columns[*column.time].values : nullptr, findings);
   }
   if (!record.time && !record.columns.empty())
     findings.push_back({false, "no_time", "", "there is no column t or time: a map has to say the rate", 0, 0.0});

@@ -109,11 +109,9 @@ Result<MappedRecord> OpenRecord(const RecordSettings& settings, const std::strin
   const std::string hash = HashOf(file);
   if (hash.empty()) return wrong("the record is missing or cannot be read");
   if (hash != settings.hash) return wrong(fmt::format("the record is another one: its SHA-256 is {}", hash));
-  const Result<trace::Record> record = ReadRecord(file);
-  if (!record.ok()) return wrong(record.failure().message);
   Diagnostics diagnostics;
   std::optional<MappedRecord> mapped =
-      MapRecord(*record, Beside(folder, settings.map), InputNames(rig), OutputNames(rig), diagnostics);
+      OpenRecord(file, Beside(folder, settings.map), InputNames(rig), OutputNames(rig), diagnostics);
   if (!mapped) return wrong(diagnostics.Format());
   mapped->file = file;
   return std::move(*mapped);

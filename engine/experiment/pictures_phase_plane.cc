@@ -69,7 +69,8 @@ void AddAreas(const Law& law, const std::string& name, double half_gap, double m
 
 std::unique_ptr<Law> MakeLaw(const Prepared& prepared, const Value& shaft, const std::string& name) {
   Diagnostics ignored;  // the rig has been built of the same table
-  BuildContext context{*prepared.registry, ignored, name, {"between", "initial_twist_rad", "law"}};
+  BuildContext context{
+      *prepared.registry, ignored, name, {"between", "initial_twist_rad", "initial_twist_rate_rad_per_s", "law"}};
   return prepared.registry->MakeLaw(shaft.TextOr("law"), shaft, context);
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "experiment/analysis.h"
+#include "experiment/drive_by_record.h"
 #include "scenario/load.h"
 
 namespace dynoproof {
@@ -15,60 +16,6 @@ namespace {
 std::vector<std::string> KeysOfSection(const Plan& plan, const char* section) {
   const Value* tables = plan.root.Find(section);
   return tables != nullptr ? KeysOf(*tables) : std::vector<std::string>{};
-}
-
-/// The mean step of a time base that starts at 0 [s].
-double MeanStep(const Series& series) {
-  const double steps = static_cast<double>(series.time->size()) - 1.0;
-  return series.time->back() / std::max(1.0, steps);
-}
-
-/// The series with its samples on the ticks of `period_s`, if it has one for each: time stamps that were rounded when
-/// they were written, or a step of no whole nanoseconds, would else let some samples act a period late.
-Series OnTicks(const Series& series, double period_s) {
-  const std::vector<double>& time = *series.time;
-  std::vector<double> ticks(time.size());
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    ticks[i] = static_cast<double>(i) * period_s;
-    if (std::abs(time[i] - ticks[i]) > 0.5 * period_s) return series;
-  }
-  return {std::make_shared<const std::vector<double>>(std::move(ticks)), series.values};
-}
-
-/// The series half a period earlier: a source that interpolates then holds over each period the value of its middle,
-/// without the lag of half a period that holding the value of its beginning has.
-Series Centred(const Series& series, double period_s) {
-  std::vector<double> time = *series.time;
-  for (double& t : time) t -= 0.5 * period_s;
-  return {std::make_shared<const std::vector<double>>(std::move(time)), series.values};
-}
-
-/// Drives the inputs of the record by it, for as long as it lasts. They are held between samples, unless the scenario
-/// replays them interpolated: sampled signals that were never held ones.
-void DriveByRecord(const MappedRecord& data, Plan& plan, Records& records) {
-  for (const auto& [name, series] : data.inputs) {
-    Value& input = plan.root["input"][name];
-    input.Erase("from");
-    const Value* own = input.FindPath("source.interpolation");
-    Value interpolation = own != nullptr ? *own : Value("hold");
-    input["source"] = Value{{"type", "replay"}, {"record", name}, {"interpolation", std::move(interpolation)}};
-  }
-  Value& run = plan.root["run"];
-  double period_s = run.NumberOr("period_s", RunSettings{}.period_s);
-  // A record of a slower rate that the run's period does not divide sets the period: its inputs are held sample by
-  // sample. Rounded up to whole nanoseconds, so that no tick comes before its sample.
-  const double step_s = MeanStep(data.inputs.empty() ? data.outputs.begin()->second : data.inputs.begin()->second);
-  const double ratio = step_s / period_s;
-  if (step_s > 0.0 && std::abs(ratio - std::round(ratio)) > 1e-6 * ratio) {
-    period_s = std::ceil(step_s * 1e9 - 1e-3) * 1e-9;
-    run["period_s"] = Value(period_s);
-  }
-  run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - 1e-6)) * period_s);
-  for (const auto& [name, series] : data.inputs) {
-    const Value* interpolation = plan.root.FindPath("input." + name + ".source.interpolation");
-    const bool held = !interpolation->is_string() || interpolation->string() == "hold";
-    records[name] = held ? OnTicks(series, period_s) : Centred(series, period_s);
-  }
 }
 
 }  // namespace
@@ -100,13 +47,11 @@ void ReadReplays(const Value& value, const std::string& folder, Records& records
   for (const Value::Entry& entry : value.table()) ReadReplays(entry.value, folder, records, diagnostics);
   if (value.TextOr("type") != "replay" || value.TextOr("file").empty()) return;
   const std::string file = (std::filesystem::path(folder) / value.TextOr("file")).lexically_normal().string();
-  const Result<trace::Record> record = ReadRecord(file);
-  if (!record.ok()) {
-    diagnostics.Error(value.Find("file")->where(), record.failure().ToString());
-    return;
-  }
   const SignalName wanted{value.TextOr("column"), ""};
-  const std::optional<MappedRecord> mapped = MapRecord(*record, "", {wanted}, {}, diagnostics);
+  Diagnostics faults;
+  const std::optional<MappedRecord> mapped = OpenRecord(file, "", {wanted}, {}, faults);
+  for (const Diagnostic& fault : faults.items())
+    diagnostics.Error(value.Find("file")->where(), fault.message, fault.hint);
   if (mapped) records[value.TextOr("file") + "#" + value.TextOr("column")] = mapped->inputs.at(value.TextOr("column"));
 }
 
@@ -174,7 +119,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
     prepared->record_fault = data.failure().ToString();
     return prepared;
   }
-  const auto owned = std::make_shared<const MappedRecord>(std::move(*data));
+  const auto owned = std::make_shared<const MappedRecord>(OntoClock(*std::move(data), *written));
   PrepareOptions driven = options;
   driven.data = owned.get();
   prepared = Prepare(*written, driven, registry, diagnostics);

@@ -6,43 +6,18 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 
 #include "base/text.h"
 #include "base/units.h"
-#include "model/params.h"
-#include "scenario/load.h"
 #include "trace/csv.h"
 #include "trace/hdf5_record.h"
 #include "trace/mat.h"
+#include "trace/time_base.h"
 
 namespace dynoproof {
 namespace {
-
-/// [input.NAME] and [output.NAME] of a map file.
-struct ColumnMap {
-  std::string column, unit;
-  double sign = 1.0;
-  SourceSpan where;
-  void Visit(auto& v) {
-    v.Required("column", column, Any(), "name of the column");
-    v.Optional("unit", unit, Any(), "unit of the column; that of the signal when not given");
-    v.Optional("sign", sign, Between(-1.0, 1.0), "-1 turns the sign");
-  }
-  void Check(Faults& faults) const {
-    if (std::abs(sign) != 1.0) faults.At("sign", "is 1 or -1");
-  }
-};
-
-struct TimeMap {
-  std::string column, unit = "s";
-  double rate_hz = 0.0;
-  void Visit(auto& v) {
-    v.Optional("column", column, Any(), "name of the time column");
-    v.Optional("unit", unit, Any(), "its unit");
-    v.Optional("rate_hz", rate_hz, Positive("Hz"), "samples per second, when there is no time column");
-  }
-};
 
 /// 2 pi where a column counts turns and the signal is in rad/s, else 1. "1/min" and "Hz" count turns; 1/s is the SI's
 /// other name for rad/s.
@@ -52,252 +27,361 @@ double RadiansPerTurn(const std::string& written, const Unit& from, const Unit& 
   return turns && to.exponents == angular ? 2.0 * std::numbers::pi : 1.0;
 }
 
+/// A channel with its instants as the file has them: those that are not on its clock yet.
+struct Raw {
+  std::string name;
+  bool input = false;
+  trace::TimeBase base;
+  std::vector<double> values;  // by instant, SI
+};
+
 class Mapper {
  public:
-  Mapper(const trace::Record& record, Diagnostics& diagnostics) : record_(record), diagnostics_(diagnostics) {}
+  Mapper(const trace::Record& record, const RecordMap& map, Diagnostics& diagnostics)
+      : record_(record), map_(map), diagnostics_(diagnostics) {}
 
-  std::optional<MappedRecord> Run(const std::string& map_file, const std::vector<SignalName>& inputs,
-                                  const std::vector<SignalName>& outputs) {
+  std::optional<MappedRecord> Run(const std::vector<SignalName>& inputs, const std::vector<SignalName>& outputs) {
     const int before = diagnostics_.error_count();
     result_.file = record_.source;
     result_.notes = record_.notes;
-    Value map;
-    if (!map_file.empty()) {
-      const std::optional<Plan> plan = LoadPlan(map_file, {}, diagnostics_);
-      if (!plan) return std::nullopt;
-      map = plan->root;
-      CheckMapKeys(map);
-    }
-    ReadTime(map);
-    Take(map, "input", inputs, result_.inputs, map_file.empty());
-    Take(map, "output", outputs, result_.outputs, map_file.empty());
+    Take(true, inputs);
+    Take(false, outputs);
     for (const SignalName& input : inputs) {
-      if (result_.inputs.contains(input.name)) continue;
+      const bool driven =
+          std::any_of(raw_.begin(), raw_.end(), [&](const Raw& raw) { return raw.input && raw.name == input.name; });
+      if (driven) continue;
       result_.notes.push_back(
           fmt::format("the record does not drive the input \"{}\": it keeps the scenario's own source", input.name));
     }
-    if (diagnostics_.error_count() == before && result_.inputs.empty() && result_.outputs.empty()) {
-      std::vector<std::string> wanted;
-      for (const auto* list : {&inputs, &outputs}) {
-        for (const SignalName& name : *list) wanted.push_back(name.name);
-      }
-      diagnostics_.Error(
-          {record_.source},
-          fmt::format("no column is a signal of the scenario; columns: {}", fmt::join(record_.Names(), ", ")),
-          fmt::format("the scenario has: {}; name them in a map file (--map)", fmt::join(wanted, ", ")));
-    }
+    if (diagnostics_.error_count() == before && raw_.empty()) NothingMatches(inputs, outputs);
+    if (diagnostics_.error_count() == before) OntoOneClock();
     if (diagnostics_.error_count() != before) return std::nullopt;
     return std::move(result_);
   }
 
  private:
-  void CheckMapKeys(const Value& map) {
-    const std::vector<std::string> known = {"time", "rows", "input", "output"};
-    for (const Value::Entry& entry : map.table()) {
-      if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
-      const std::optional<std::string> near = Closest(entry.key, known);
-      diagnostics_.Error(entry.where, fmt::format("unknown key \"{}\" in a map file", entry.key),
-                         near ? fmt::format("did you mean \"{}\"?", *near) : "known: time, rows, input, output");
+  void NothingMatches(const std::vector<SignalName>& inputs, const std::vector<SignalName>& outputs) {
+    std::vector<std::string> wanted;
+    for (const auto* list : {&inputs, &outputs}) {
+      for (const SignalName& name : *list) wanted.push_back(name.name);
     }
-    for (const char* section : {"input", "output"}) {
-      const Value* tables = map.Find(section);
-      if (tables == nullptr || tables->is_table()) continue;
-      diagnostics_.Error(tables->where(), fmt::format("\"{}\" is {}", section, tables->KindName()),
-                         fmt::format("write [{}.NAME]", section));
-    }
-    if (const Value* rows = map.Find("rows")) {
-      const bool good = rows->is_array() && rows->array().size() == 2 && rows->array()[0].is_integer() &&
-                        rows->array()[1].is_integer() && rows->array()[0].integer() >= 0 &&
-                        rows->array()[0].integer() < rows->array()[1].integer();
-      if (good) {
-        first_ = static_cast<std::size_t>(rows->array()[0].integer());
-        last_ = static_cast<std::size_t>(rows->array()[1].integer());
-        rows_where_ = rows->where();
-      } else {
-        diagnostics_.Error(rows->where(), "\"rows\" is no range", "write rows = [first, end) with 0 <= first < end");
+    diagnostics_.Error(
+        {record_.source},
+        fmt::format("no column is a signal of the scenario; columns: {}", fmt::join(record_.Names(), ", ")),
+        fmt::format("the scenario has: {}; name them in a map file (--map)", fmt::join(wanted, ", ")));
+  }
+
+  void Take(bool input, const std::vector<SignalName>& signals) {
+    if (map_.file.empty()) {
+      for (const SignalName& signal : signals) {
+        ChannelMap channel;
+        channel.name = channel.column = signal.name;
+        const bool left_out = std::any_of(record_.left_out.begin(), record_.left_out.end(),
+                                          [&](const auto& variable) { return variable.first == signal.name; });
+        if (left_out || record_.Find(signal.name)) TakeOne(channel, input, signal);
       }
+      return;
+    }
+    const char* section = input ? "input" : "output";
+    for (const ChannelMap& channel : input ? map_.inputs : map_.outputs) {
+      const auto signal =
+          std::find_if(signals.begin(), signals.end(), [&](const SignalName& one) { return one.name == channel.name; });
+      if (signal != signals.end()) {
+        TakeOne(channel, input, *signal);
+        continue;
+      }
+      std::vector<std::string> names;
+      for (const SignalName& one : signals) names.push_back(one.name);
+      const std::optional<std::string> near = Closest(channel.name, names);
+      diagnostics_.Error(
+          channel.where, fmt::format("the scenario has no {} \"{}\"", section, channel.name),
+          near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("it has: {}", fmt::join(names, ", ")));
     }
   }
 
-  template <class T>
-  std::shared_ptr<const std::vector<double>> Share(T values) {
-    return std::make_shared<const std::vector<double>>(std::move(values));
+  /// The column of this name; a diagnostic where there is none.
+  const trace::Column* ColumnOf(const std::string& name, const SourceSpan& where) {
+    if (const std::optional<std::size_t> index = record_.Find(name)) return &record_.columns[*index];
+    const auto left_out = std::find_if(record_.left_out.begin(), record_.left_out.end(),
+                                       [&](const auto& variable) { return variable.first == name; });
+    if (left_out != record_.left_out.end()) {
+      diagnostics_.Error(where, fmt::format("{}: \"{}\" is no column of numbers", record_.source, name),
+                         fmt::format("it {}", left_out->second));
+      return nullptr;
+    }
+    const std::vector<std::string> names = record_.Names();
+    const std::optional<std::string> near = Closest(name, names);
+    std::string others = fmt::format("columns: {}", fmt::join(names, ", "));
+    for (const auto& [variable, why] : record_.left_out) others += fmt::format("; \"{}\" {}", variable, why);
+    diagnostics_.Error(where, fmt::format("{} has no column \"{}\"", record_.source, name),
+                       near ? fmt::format("did you mean \"{}\"?", *near) : others);
+    return nullptr;
+  }
+
+  void TakeOne(const ChannelMap& channel, bool input, const SignalName& signal) {
+    const SourceSpan where = channel.where.known() ? channel.where : SourceSpan{record_.source};
+    const trace::Column* column = ColumnOf(channel.column, where);
+    if (column == nullptr) return;
+    const std::optional<std::pair<double, double>> to_si = Conversion(channel, *column, signal, where);
+    if (!to_si) return;
+    if (map_.first >= column->values.size() && map_.first > 0) {
+      diagnostics_.Error(
+          map_.rows_where,
+          fmt::format("rows begin at {}, {} has {} rows", map_.first, record_.source, column->values.size()),
+          "rows are counted from 0");
+      return;
+    }
+    double unit_s = 1.0;
+    std::optional<std::vector<double>> stamps = StampsOf(channel, *column, where, unit_s);
+    if (!stamps) return;
+    std::vector<double> values = Rows(column->values);
+    if (values.size() != stamps->size() || values.size() < 3) {
+      diagnostics_.Error(
+          where,
+          fmt::format("column \"{}\" has {} values for {} time stamps", column->name, values.size(), stamps->size()),
+          "a record needs three rows at least, and as many values as time stamps; a raster of its own has a clock of "
+          "its own: time = \"NAME\" in the channel's table of a map");
+      return;
+    }
+    if (!DropMissing(channel, *column, where, *stamps, values)) return;
+    if (const std::size_t bad = trace::FirstFaultOf(*stamps); bad < stamps->size()) {
+      diagnostics_.Error(
+          {record_.source},
+          fmt::format("the time of \"{}\" {} at row {} ({})", column->name,
+                      std::isfinite((*stamps)[bad]) ? "falls" : "is not a number", map_.first + bad, (*stamps)[bad]),
+          "time may not fall from row to row; rows at one instant are an event");
+      return;
+    }
+    Raw raw{channel.name, input, trace::TimeBaseOf(*stamps, unit_s), {}};
+    raw.base.start_s += clock_start_s_;
+    // A sample of an output is what was measured before the event, a command holds from it on.
+    for (std::size_t i = 0; i < raw.base.time_s.size(); ++i)
+      raw.values.push_back(to_si->first * values[input ? raw.base.last_row[i] : raw.base.first_row[i]] + to_si->second);
+    if (input && raw.base.events > 0) before_event_[channel.name] = BeforeEvents(raw.base, values, *to_si);
+    if (!channel.between.empty()) result_.between[channel.name] = channel.between;
+    raw_.push_back(std::move(raw));
+  }
+
+  /// Factor and offset that make SI of a column's numbers; none, with a diagnostic, for a unit of another quantity.
+  std::optional<std::pair<double, double>> Conversion(const ChannelMap& channel, const trace::Column& column,
+                                                      const SignalName& signal, const SourceSpan& where) {
+    const std::string written = !channel.unit.empty() ? channel.unit : column.unit;
+    double factor = 1.0, offset = 0.0;
+    if (!written.empty() && !signal.unit.empty()) {
+      const std::optional<Unit> from = ParseUnit(written), to = ParseUnit(signal.unit);
+      if (!from || !to || !SameQuantity(*from, *to)) {
+        diagnostics_.Error(
+            where,
+            fmt::format("column \"{}\" is in \"{}\", {} is in \"{}\"", column.name, written, signal.name, signal.unit),
+            from ? "these are different quantities: is it the right column?" : "unknown unit");
+        return std::nullopt;
+      }
+      const double turn = RadiansPerTurn(written, *from, *to);
+      if (turn != 1.0)
+        result_.notes.push_back(fmt::format("column \"{}\" in \"{}\" is taken as turns: {} = 2 pi times it",
+                                            column.name, written, signal.name));
+      factor = turn * from->factor / to->factor;
+      offset = (from->offset - to->offset) / to->factor;
+    }
+    return std::pair{channel.sign * factor * channel.gain, channel.sign * (factor * channel.offset + offset)};
   }
 
   /// The rows asked for of one column.
   std::vector<double> Rows(const std::vector<double>& values) const {
-    const std::size_t begin = std::min(first_, values.size()), end = std::min(last_, values.size());
+    const std::size_t begin = std::min(map_.first, values.size()), end = std::min(map_.last, values.size());
     return {values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end)};
   }
 
-  void ReadTime(const Value& map) {
-    if (const Value* time = map.Find("time")) {
-      if (!ReadParams(*time, time_, diagnostics_, "time")) return;
-      if (time_.column.empty() == (time_.rate_hz == 0.0)) {
-        diagnostics_.Error(time->where(), "\"time\" needs exactly one of column and rate_hz",
-                           "time = { column = \"t\", unit = \"s\" }");
-      }
-      const std::optional<Unit> unit = ParseUnit(time_.unit);
-      if (!unit || !SameQuantity(*unit, *ParseUnit("s"))) {
-        diagnostics_.Error(time->where(), fmt::format("\"{}\" is no unit of time", time_.unit), "s, ms, min, ...");
-      } else {
-        time_factor_ = unit->factor;
-      }
+  /// The stamps of a channel in their own unit, of which one is `unit_s`; none, with a diagnostic, where there are none.
+  std::optional<std::vector<double>> StampsOf(const ChannelMap& channel, const trace::Column& column,
+                                              const SourceSpan& where, double& unit_s) {
+    const ClockMap& clock = channel.clock.given() ? channel.clock : map_.clock;
+    clock_start_s_ = clock.start_s;
+    if (clock.rate_hz > 0.0 && clock.column.empty()) {
+      std::vector<double> stamps = Rows(column.values);
+      for (std::size_t i = 0; i < stamps.size(); ++i) stamps[i] = static_cast<double>(map_.first + i);
+      unit_s = 1.0 / clock.rate_hz;
+      return stamps;
     }
-  }
-
-  /// The time stamps of a column in seconds, from 0; null with a diagnostic when there are none.
-  std::shared_ptr<const std::vector<double>> TimeOf(const trace::Column& column) {
-    if (time_.rate_hz > 0.0) {
-      std::vector<double> time(Rows(column.values).size());
-      for (std::size_t i = 0; i < time.size(); ++i) time[i] = static_cast<double>(i) / time_.rate_hz;
-      return Share(std::move(time));
-    }
-    std::optional<std::size_t> index = time_.column.empty() ? column.time : record_.Find(time_.column);
-    if (!index) {
-      if (!time_fault_) {
-        diagnostics_.Error({record_.source},
-                           fmt::format("no time for column \"{}\": there is no column {}", column.name,
-                                       time_.column.empty() ? "t or time" : time_.column),
-                           "say time = { column = ... } or time = { rate_hz = ... } in a map file");
-      }
-      time_fault_ = true;
-      return nullptr;
-    }
-    if (const auto known = times_.find(*index); known != times_.end()) return known->second;
-    std::vector<double> time = Rows(record_.columns[*index].values);
-    const double begin = time.empty() ? 0.0 : time.front();
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      const bool rises = i == 0 || time[i] > time[i - 1];
-      if (!std::isfinite(time[i]) || !rises) {
+    const trace::Column* time = nullptr;
+    if (!clock.column.empty()) {
+      time = ColumnOf(clock.column, clock.where.known() ? clock.where : where);
+      if (time == nullptr) return std::nullopt;
+    } else if (column.time) {
+      time = &record_.columns[*column.time];
+    } else {
+      const std::vector<std::string> names = record_.Names();
+      if (!time_fault_)
         diagnostics_.Error(
             {record_.source},
-            fmt::format("time \"{}\" {} at row {} ({})", record_.columns[*index].name,
-                        std::isfinite(time[i]) ? "does not rise" : "is not a number", first_ + i, time[i]),
-            "time must rise from row to row");
-        time.clear();
-        break;
-      }
+            fmt::format("no time for column \"{}\": there is no column t or time of its length", column.name),
+            "say time = { column = ... } or time = { rate_hz = ... } in a map file");
+      time_fault_ = true;
+      return std::nullopt;
     }
-    for (double& value : time) value = (value - begin) * time_factor_;
-    return times_[*index] = time.empty() ? nullptr : Share(std::move(time));
+    const std::string written = !clock.unit.empty() ? clock.unit : !time->unit.empty() ? time->unit : "s";
+    const std::optional<Unit> unit = ParseUnit(written);
+    if (!unit || !SameQuantity(*unit, *ParseUnit("s"))) {
+      diagnostics_.Error({record_.source},
+                         fmt::format("the time \"{}\" is in \"{}\", which is no unit of time", time->name, written),
+                         "say what it is in a map file: time = { column = ..., unit = \"ms\" }");
+      return std::nullopt;
+    }
+    unit_s = unit->factor;
+    return Rows(time->values);
   }
 
-  void Take(const Value& map, const char* section, const std::vector<SignalName>& signals,
-            std::map<std::string, Series>& into, bool by_name) {
-    std::map<std::string, ColumnMap> wanted;
-    if (by_name) {
-      for (const SignalName& signal : signals) {
-        if (record_.Find(signal.name)) wanted[signal.name].column = signal.name;
+  /// Leaves out the rows that have no number where that is no loss: behind the end of a column that is shorter than the
+  /// others of its file, between the samples of a slower raster, or where the map allows for it.
+  bool DropMissing(const ChannelMap& channel, const trace::Column& column, const SourceSpan& where,
+                   std::vector<double>& stamps, std::vector<double>& values) {
+    std::vector<double> kept_stamps, kept_values;
+    std::size_t missing = 0, first = 0, in_time = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool stamped = std::isfinite(stamps[i]);
+      if (!std::isfinite(values[i])) {
+        if (stamped && missing++ == 0) first = i;
+        continue;
       }
-    } else if (const Value* tables = map.Find(section); tables != nullptr && tables->is_table()) {
-      for (const Value::Entry& entry : tables->table()) {
-        const bool known =
-            std::any_of(signals.begin(), signals.end(), [&](const SignalName& s) { return s.name == entry.key; });
-        if (!known) {
-          std::vector<std::string> names;
-          for (const SignalName& signal : signals) names.push_back(signal.name);
-          const std::optional<std::string> near = Closest(entry.key, names);
-          diagnostics_.Error(
-              entry.where, fmt::format("the scenario has no {} \"{}\"", section, entry.key),
-              near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("it has: {}", fmt::join(names, ", ")));
-          continue;
-        }
-        ColumnMap column;
-        column.where = entry.value.where();
-        if (entry.value.is_table() &&
-            ReadParams(entry.value, column, diagnostics_, fmt::format("{}.{}", section, entry.key))) {
-          wanted[entry.key] = column;
-        } else if (!entry.value.is_table()) {
-          diagnostics_.Error(entry.value.where(),
-                             fmt::format("{}.{} is {}", section, entry.key, entry.value.KindName()), "write a table");
-        }
-      }
+      in_time += stamped ? 0 : 1;
+      kept_stamps.push_back(stamps[i]), kept_values.push_back(values[i]);
     }
-    for (const auto& [name, column] : wanted) TakeOne(name, column, signals, into);
-  }
-
-  void TakeOne(const std::string& name, const ColumnMap& map, const std::vector<SignalName>& signals,
-               std::map<std::string, Series>& into) {
-    const auto signal =
-        std::find_if(signals.begin(), signals.end(), [&](const SignalName& s) { return s.name == name; });
-    const std::optional<std::size_t> index = record_.Find(map.column);
-    if (!index) {
-      const auto left_out = std::find_if(record_.left_out.begin(), record_.left_out.end(),
-                                         [&](const auto& variable) { return variable.first == map.column; });
-      if (left_out != record_.left_out.end()) {
-        diagnostics_.Error(map.where, fmt::format("{}: variable \"{}\" is no column", record_.source, map.column),
-                           fmt::format("it {}", left_out->second));
-        return;
-      }
-      const std::vector<std::string> names = record_.Names();
-      const std::optional<std::string> near = Closest(map.column, names);
-      diagnostics_.Error(
-          map.where, fmt::format("{} has no column \"{}\"", record_.source, map.column),
-          near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("columns: {}", fmt::join(names, ", ")));
-      return;
-    }
-    const trace::Column& column = record_.columns[*index];
-    const SourceSpan where = map.where.known() ? map.where : SourceSpan{record_.source};
-    const std::string written = !map.unit.empty() ? map.unit : column.unit;
-    double factor = map.sign, offset = 0.0;
-    if (!written.empty() && !signal->unit.empty()) {
-      const std::optional<Unit> from = ParseUnit(written), to = ParseUnit(signal->unit);
-      if (!from || !to || !SameQuantity(*from, *to)) {
-        diagnostics_.Error(
-            where, fmt::format("column \"{}\" is in \"{}\", {} is in \"{}\"", column.name, written, name, signal->unit),
-            from ? "these are different quantities: is it the right column?" : "unknown unit");
-        return;
-      }
-      const double turn = RadiansPerTurn(written, *from, *to);
-      if (turn != 1.0)
-        result_.notes.push_back(
-            fmt::format("column \"{}\" in \"{}\" is taken as turns: {} = 2 pi times it", column.name, written, name));
-      factor = map.sign * turn * from->factor / to->factor;
-      offset = map.sign * (from->offset - to->offset) / to->factor;
-    }
-    if (first_ >= column.values.size()) {
-      diagnostics_.Error(rows_where_,
-                         fmt::format("rows begin at {}, {} has {} rows", first_, record_.source, column.values.size()),
-                         "rows are counted from 0");
-      return;
-    }
-    const std::shared_ptr<const std::vector<double>> time = TimeOf(column);
-    if (time == nullptr) return;
-    std::vector<double> values = Rows(column.values);
-    if (values.size() != time->size() || values.size() < 3) {
+    if (kept_values.size() == values.size()) return true;
+    const bool whole = missing == 0 && in_time == 0;  // padded to the length of others
+    const bool raster = kept_stamps.size() >= 3 && trace::FirstFaultOf(kept_stamps) == kept_stamps.size() &&
+                        missing >= kept_stamps.size() / 2 && IsRaster(kept_stamps);
+    if (!whole && !raster && !channel.missing) {
       diagnostics_.Error(
           where,
-          fmt::format("column \"{}\" has {} values for {} time stamps", column.name, values.size(), time->size()),
-          "a record needs three rows at least, and as many values as time stamps");
+          fmt::format("column \"{}\" has {} values that are no numbers, the first in row {}", column.name, missing,
+                      map_.first + first),
+          "gaps are never filled silently: cut the record with rows = [first, end], or say missing = true in the map");
+      return false;
+    }
+    if (missing > 0)
+      result_.notes.push_back(fmt::format("{}: {} rows have no number and are no samples, the first is row {}",
+                                          channel.name, missing, map_.first + first));
+    if (kept_values.size() < 3) {
+      diagnostics_.Error(where, fmt::format("column \"{}\" has {} numbers", column.name, kept_values.size()),
+                         "a record needs three rows at least");
+      return false;
+    }
+    stamps = std::move(kept_stamps), values = std::move(kept_values);
+    return true;
+  }
+
+  static bool IsRaster(const std::vector<double>& stamps) {
+    const trace::TimeBase base = trace::TimeBaseOf(stamps);
+    return base.uniform() && base.dropped == 0 && base.events == 0;
+  }
+
+  /// Of an input that goes in lines: the value up to each event, by instant.
+  static std::map<double, double> BeforeEvents(const trace::TimeBase& base, const std::vector<double>& values,
+                                               const std::pair<double, double>& to_si) {
+    std::map<double, double> before;
+    for (std::size_t i = 0; i < base.time_s.size(); ++i) {
+      if (base.last_row[i] > base.first_row[i])
+        before[base.time_s[i]] = to_si.first * values[base.first_row[i]] + to_si.second;
+    }
+    return before;
+  }
+
+  /// All channels begin and end with the inputs. Offsets between rasters are known to the digits of their stamps.
+  void OntoOneClock() {
+    const bool driven = std::any_of(raw_.begin(), raw_.end(), [](const Raw& raw) { return raw.input; });
+    double begin = 0.0, end = 0.0;
+    const Raw* origin = nullptr;
+    for (const Raw& raw : raw_) {
+      if (raw.input != driven) continue;
+      const double last = raw.base.start_s + raw.base.time_s.back();
+      const bool later = origin == nullptr || (driven ? raw.base.start_s > begin : raw.base.start_s < begin);
+      end = origin == nullptr ? last : driven ? std::min(end, last) : std::max(end, last);
+      if (later) begin = raw.base.start_s, origin = &raw;
+    }
+    if (origin == nullptr) return;
+    const double span = end - begin;
+    std::map<std::string, std::vector<std::string>> told;  // a sentence about a clock, and who has it
+    for (const Raw& raw : raw_) {
+      const double known = std::max(raw.base.resolution_s, origin->base.resolution_s);
+      const double apart = raw.base.start_s - origin->base.start_s;
+      // Where stamps have digits, their difference has, too: what is beyond is round-off of large numbers.
+      const double offset = known > 1e-9 ? std::round(apart / known) * known : apart;
+      Put(raw, offset, span, driven);
+      for (const std::string& note : raw.base.Notes("")) told[note].push_back(raw.name);
+      if (raw.base.uniform()) result_.step_s[raw.name] = raw.base.step_s;
+    }
+    for (const auto& [note, names] : told)
+      result_.notes.push_back((names.size() == raw_.size() ? "the record" : fmt::format("{}", fmt::join(names, ", "))) +
+                              note);
+  }
+
+  void Put(const Raw& raw, double offset, double span, bool driven) {
+    // The ends of channels that were to be alike differ by round-off.
+    const double slack = 0.01 * raw.base.usual_step_s;
+    std::vector<double> time, values;
+    std::size_t before = 0, after = 0;
+    const auto events = before_event_.find(raw.name);
+    for (std::size_t i = 0; i < raw.base.time_s.size(); ++i) {
+      const double t = raw.base.time_s[i] + offset;
+      if (driven && t > span + slack) {
+        ++after;
+        continue;
+      }
+      if (driven && !raw.input && t < -slack) {
+        ++before;
+        continue;
+      }
+      if (events != before_event_.end() && events->second.contains(raw.base.time_s[i]) &&
+          between(raw.name) == "linear") {
+        time.push_back(std::nextafter(t, -1.0)), values.push_back(events->second.at(raw.base.time_s[i]));
+      }
+      time.push_back(t), values.push_back(raw.values[i]);
+    }
+    if (before + after > 0)
+      result_.notes.push_back(
+          fmt::format("{}: {} samples lie outside the span of the inputs and are left out", raw.name, before + after));
+    if (time.size() < 3) {
+      diagnostics_.Error({record_.source},
+                         fmt::format("\"{}\" has {} samples in the span of the inputs", raw.name, time.size()),
+                         "do their clocks begin at the same instant? a map may say start_s");
       return;
     }
-    std::size_t bad = 0, first_bad = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i]) && bad++ == 0) first_bad = i;
-      values[i] = factor * values[i] + offset;
-    }
-    if (bad > 0) {
-      diagnostics_.Error(where,
-                         fmt::format("column \"{}\" has {} values that are no numbers, the first in row {}",
-                                     column.name, bad, first_ + first_bad),
-                         "gaps are never filled silently: cut the record with rows = [first, end]");
-      return;
-    }
-    result_.end_s = std::max(result_.end_s, time->back());
-    into[name] = {time, Share(std::move(values))};
+    result_.end_s = std::max(result_.end_s, time.back());
+    (raw.input ? result_.inputs : result_.outputs)[raw.name] = {
+        std::make_shared<const std::vector<double>>(std::move(time)),
+        std::make_shared<const std::vector<double>>(std::move(values))};
+  }
+
+  std::string between(const std::string& name) const {
+    const auto found = result_.between.find(name);
+    return found != result_.between.end() ? found->second : "";
   }
 
   const trace::Record& record_;
+  const RecordMap& map_;
   Diagnostics& diagnostics_;
   MappedRecord result_;
-  TimeMap time_;
-  double time_factor_ = 1.0;
+  std::vector<Raw> raw_;
+  std::map<std::string, std::map<double, double>> before_event_;
+  double clock_start_s_ = 0.0;
   bool time_fault_ = false;
-  std::size_t first_ = 0, last_ = static_cast<std::size_t>(-1);
-  SourceSpan rows_where_;
-  std::map<std::size_t, std::shared_ptr<const std::vector<double>>> times_;
 };
+
+/// By the names that the file offers, or by the paths that a map asks for.
+Result<trace::Record> ReadHdf5(const std::string& file, const RecordMap& map) {
+  const std::vector<std::string> wanted = map.Columns();
+  std::vector<std::string> scaled;  // the map says what their numbers mean
+  for (const std::vector<ChannelMap>* channels : {&map.inputs, &map.outputs}) {
+    for (const ChannelMap& channel : *channels) {
+      if (channel.gain != 1.0 || channel.offset != 0.0) scaled.push_back(channel.column);
+    }
+  }
+  Result<trace::Record> record = trace::ReadHdf5Record(file, {}, scaled);
+  const bool all = record.ok() && std::all_of(wanted.begin(), wanted.end(),
+                                              [&](const std::string& name) { return record->Find(name).has_value(); });
+  if (all || wanted.empty()) return record;
+  return trace::ReadHdf5Record(file, wanted, scaled);
+}
 
 }  // namespace
 
@@ -306,19 +390,32 @@ std::string TooFew(std::size_t samples) {
   return fmt::format("{} samples are too few to compare with a simulation (at least {})", samples, kFewestSamples);
 }
 
-Result<trace::Record> ReadRecord(const std::string& file) {
+Result<trace::Record> ReadRecord(const std::string& file, const RecordMap& map) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".h5" || ending == ".hdf5") return trace::ReadHdf5Record(file);
+  if (ending == ".h5" || ending == ".hdf5") return ReadHdf5(file, map);
   if (ending == ".mat") return trace::ReadMat(file);
-  return trace::ReadCsv(file);
+  return trace::ReadCsv(file, map.skip);
 }
 
-std::optional<MappedRecord> MapRecord(const trace::Record& record, const std::string& map_file,
+std::optional<MappedRecord> MapRecord(const trace::Record& record, const RecordMap& map,
                                       const std::vector<SignalName>& inputs, const std::vector<SignalName>& outputs,
                                       Diagnostics& diagnostics) {
-  return Mapper(record, diagnostics).Run(map_file, inputs, outputs);
+  return Mapper(record, map, diagnostics).Run(inputs, outputs);
+}
+
+std::optional<MappedRecord> OpenRecord(const std::string& file, const std::string& map_file,
+                                       const std::vector<SignalName>& inputs, const std::vector<SignalName>& outputs,
+                                       Diagnostics& diagnostics) {
+  const std::optional<RecordMap> map = ReadRecordMap(map_file, diagnostics);
+  if (!map) return std::nullopt;
+  const Result<trace::Record> record = ReadRecord(file, *map);
+  if (!record.ok()) {
+    diagnostics.Error({file}, record.failure().message);
+    return std::nullopt;
+  }
+  return MapRecord(*record, *map, inputs, outputs, diagnostics);
 }
 
 }  // namespace dynoproof

@@ -1,10 +1,13 @@
 #include "identification/estimation_problem.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 
+#include "experiment/drive_by_record.h"
 #include "experiment/prepare.h"
 #include "score/series.h"
 #include "sim/simulate.h"
@@ -43,6 +46,15 @@ Result<std::unique_ptr<Prepared>> Drive(const Plan& plan, const MappedRecord& re
       diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message, plan.id, {}, 2};
 }
 
+/// The plan as it starts into one record: with what it holds for that one alone.
+Plan StartingInto(const Plan& plan, std::size_t record) {
+  const Value* start = plan.root.FindPath(StartOfRecord(record));
+  Plan own = plan;
+  own.root.Erase("start_of_record");
+  if (start != nullptr) MergeInto(own.root, *start);
+  return own;
+}
+
 /// The simulated output at the measured time stamps; between ticks the straight line.
 void SampleInto(const Samples& samples, const std::vector<double>& simulated, const std::vector<double>& time,
                 double period_s, Eigen::Ref<Eigen::VectorXd> into) {
@@ -59,6 +71,8 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 
 }  // namespace
 
+std::string StartOfRecord(std::size_t record) { return fmt::format("start_of_record.{}", record); }
+
 void CutRecord(MappedRecord& record, double until) {
   record.end_s *= until;
   for (auto* signals : {&record.inputs, &record.outputs}) {
@@ -71,10 +85,13 @@ EstimationProblem::EstimationProblem(Plan plan, std::vector<MappedRecord> record
     : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), known_(std::move(known)) {
   if (!records_.empty()) StartFromRecord(records_.front(), registry, plan_);
   for (MappedRecord& record : records_) {
+    record = OntoClock(std::move(record), plan_);
     if (until < 1.0) CutRecord(record, until);
   }
   given_ = records_;
   nuisances_ = NuisancesOf(plan_, registry);
+  if (std::none_of(records_.begin(), records_.end(), [](const MappedRecord& record) { return record.in_motion; }))
+    std::erase_if(nuisances_, [](const Nuisance& nuisance) { return nuisance.only_in_motion; });
   if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);
   Eigen::Index rows = 0;
   for (std::size_t r = 0; r < records_.size(); ++r) {
@@ -142,7 +159,7 @@ Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
   if (unobserved_) return *unobserved_;
   Eigen::VectorXd predicted(measured_.size());
   for (std::size_t r = 0; r < records_.size(); ++r) {
-    const Result<std::unique_ptr<Prepared>> prepared = Drive(plan, records_[r], *registry_);
+    const Result<std::unique_ptr<Prepared>> prepared = Drive(StartingInto(plan, r), records_[r], *registry_);
     if (!prepared.ok()) return prepared.failure();
     const Rig& rig = *(*prepared)->rig;
     const Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig, known_.get());

@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "experiment/prediction_windows.h"
+#include "identification/between_samples.h"
 #include "identification/estimator.h"
 #include "scenario/load.h"
 
@@ -131,6 +133,24 @@ Result<double> NrmseOf(const Objective& free_run, const Plan& plan) {
   return std::sqrt(error->squaredNorm() / static_cast<double>(error->size()));
 }
 
+/// Why a fit is worth nothing.
+std::vector<std::string> DoubtsOf(const Identified& result) {
+  constexpr double kWorse = 1.01, kNothing = 0.9;  // what leaves four fifths of the squares accounts for nothing
+  std::vector<std::string> doubts;
+  for (const IdentifiedValue& one : result.values) {
+    if (one.on_bound)
+      doubts.push_back(fmt::format("{} rests on its bound ({:.6g}): the records want it beyond, or do not show it",
+                                   one.key, one.value));
+  }
+  if (result.nrmse_after > kWorse * result.nrmse_before)
+    doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", result.nrmse_before,
+                                 result.nrmse_after));
+  if (result.nrmse_after > kNothing)
+    doubts.push_back(fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?",
+                                 result.nrmse_after));
+  return doubts;
+}
+
 }  // namespace
 
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
@@ -160,7 +180,39 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   const Result<double> after = NrmseOf(*free_run, found);
   if (!after.ok()) return after.failure();
   result.nrmse_after = *after;
+  result.doubts = DoubtsOf(result);
   return result;
+}
+
+Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                                   const IdentifyOptions& options) {
+  constexpr double kGood = 1e-3, kBetter = 0.9;  // by then half a sample more or less is not what is left
+  Result<Identified> best = Identify(plan, data, registry, options);
+  const auto guess = [&](const MappedRecord& record) { return !UnstatedInputs(plan, record).empty(); };
+  const auto doubtful = std::find_if(data.begin(), data.end(), guess);
+  if (!best.ok() || doubtful == data.end() || best->nrmse_after < kGood || PredictionWindow(plan)) return best;
+  const std::string first = doubtful->between.at(UnstatedInputs(plan, *doubtful).front());
+  Plan found = plan;
+  for (const IdentifiedValue& one : best->values) *found.root.FindPath(one.key) = Value(one.value);
+  if (IsClear(CompareBetween(found, registry, *doubtful), first)) return best;
+  double least = best->nrmse_after, most = best->nrmse_after;
+  std::string taken = first, text = fmt::format("{} {:.3g}", first, best->nrmse_after);
+  for (const std::string& between : PossibleBetween(plan, *doubtful)) {
+    if (between == first) continue;
+    std::vector<MappedRecord> other = data;
+    for (MappedRecord& record : other) record = WithBetween(std::move(record), plan, between);
+    Result<Identified> fit = Identify(plan, other, registry, options);
+    if (!fit.ok()) continue;
+    text += fmt::format(", {} {:.3g}", between, fit->nrmse_after);
+    least = std::min(least, fit->nrmse_after), most = std::max(most, fit->nrmse_after);
+    if (fit->nrmse_after < kBetter * best->nrmse_after) best = std::move(fit), taken = between;
+  }
+  if (least > kBetter * most) return best;  // it makes no difference
+  best->notes.push_back(
+      fmt::format("nobody says what the inputs do between their samples; fitted, the outputs are off by (NRMSE) "
+                  "{}: {} is taken, state it in a map: between = \"{}\"",
+                  text, taken, taken));
+  return best;
 }
 
 nlohmann::json ToJson(const Identified& identified) {
@@ -171,7 +223,9 @@ nlohmann::json ToJson(const Identified& identified) {
                         {"starts", identified.starts},
                         {"converged", identified.converged},
                         {"nrmse_before", identified.nrmse_before},
-                        {"nrmse_after", identified.nrmse_after}};
+                        {"nrmse_after", identified.nrmse_after},
+                        {"notes", identified.notes},
+                        {"doubts", identified.doubts}};
   if (!identified.landmarks.resonances_hz.empty())
     out["landmarks"] = {{"resonances_hz", identified.landmarks.resonances_hz},
                         {"gains", identified.landmarks.gains},

@@ -43,11 +43,18 @@ struct Identified {
   int starts = 0, converged = 0;  // starts that reached the best cost within 0.1 %; of two stages the fewer
   Landmarks landmarks;            // that two stages saw
   double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
+  std::vector<std::string> notes;                // what a reader should know
+  std::vector<std::string> doubts;  // why the numbers are worth nothing: on a bound, worse than before, ...
 };
 
 /// Fails as Minimise does, and by response or two stages as MeasuredResponse and LandmarksOf do.
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
                             const IdentifyOptions& options);
+
+/// The same; where nobody says what inputs do between their samples, and the fit leaves something, with all that they may
+/// do, of which the best fit stands.
+Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                                   const IdentifyOptions& options);
 
 nlohmann::json ToJson(const Identified& identified);
 std::string ToTable(const Identified& identified);

@@ -19,7 +19,8 @@ std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry) {
   for (const NuisanceParameter& one : plant.nuisances(plan)) {
     const Value* value = plan.root.FindPath(one.path);
     if (one.relative && (value == nullptr || !value->is_number() || value->number() == 0.0)) continue;
-    nuisances.push_back({one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_with_structure});
+    nuisances.push_back(
+        {one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_with_structure, one.only_in_motion});
     const auto found = one.relative ? scaled.find(one.path) : scaled.end();
     if (found != scaled.end()) std::tie(nuisances.back().effect, nuisances.back().at) = found->second;
   }

@@ -19,7 +19,8 @@ struct Nuisance {
   bool start = false;              // belongs to the record, not to the model
   const Effect* effect = nullptr;  // the one that changes the same number, and where; null: none
   Place at = {};
-  bool only_wide = false;  // free only where a hypothesis changes the structure
+  bool only_wide = false;       // free only where a hypothesis changes the structure
+  bool only_in_motion = false;  // of a start: only of records that begin otherwise than the plan does
 };
 
 /// All nuisance parameters of the plan: what its plant declares.

@@ -6,6 +6,7 @@
 #include <complex>
 
 #include "identification/noise_model.h"
+#include "identification/start.h"
 #include "identification/step_spectrum.h"
 
 namespace dynoproof::identification {
@@ -18,7 +19,9 @@ class FreeRun : public Objective {
   Eigen::Index size() const override { return problem_.measured().size(); }
 
   Result<Eigen::VectorXd> Of(const Plan& plan) const override {
-    Result<Eigen::VectorXd> predicted = problem_.PredictPlan(plan);
+    const Result<Plan> from_start = FitStarts(problem_, plan);
+    if (!from_start.ok()) return from_start.failure();
+    Result<Eigen::VectorXd> predicted = problem_.PredictPlan(*from_start);
     if (!predicted.ok()) return predicted;
     Eigen::VectorXd error = problem_.measured() - *predicted;
     // A constant has no spread; its unit has a size.

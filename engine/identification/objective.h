@@ -22,7 +22,8 @@ class Objective {
   virtual std::vector<std::pair<Eigen::Index, Eigen::Index>> Courses() const = 0;
 };
 
-/// The error of the free run, each channel over the spread of what was measured. `study` has to outlive it.
+/// The error of the free run, each channel over the spread of what was measured; a record that is `in_motion` is run
+/// from the start that fits it best, whatever the plan. `study` has to outlive it.
 std::unique_ptr<Objective> FreeRunObjective(const EstimationProblem& problem);
 
 /// The logarithm of measured over simulated amplitude in bands of +-10 %, by channel: every resonance weighs as much as

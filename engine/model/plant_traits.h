@@ -23,6 +23,7 @@ struct NuisanceParameter {
   std::string reason;                // why it is this large
   bool initial = false;              // an initial state: belongs to the record, not to the model
   bool only_with_structure = false;  // free only where an effect changes the structure; never negative then
+  bool only_in_motion = false;       // of an initial state: only of records that begin otherwise than the plan does
 };
 
 /// An initial value of the plan that an output shows: the record's first sample takes its place.

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::test {
@@ -196,7 +196,7 @@ TEST_F(Data, OfAFewSamplesIsUndecided) {
   Write();
   const Outcome run = Run();
   EXPECT_EQ(run.exit, 4) << run.Both();
-  EXPECT_THAT(run.out, HasSubstr("3 samples are too few to compare with a simulation (at least 100)"));
+  EXPECT_THAT(run.out, HasSubstr("3 samples are too few to compare with a simulation (at least 30)"));
   for (const nlohmann::json& check : Scenario()["checks"]) EXPECT_EQ(check["verdict"], "inconclusive") << check;
   const Outcome fit =
       bench_.Call({"identify", "line.toml", "--data", "record.csv", "--free", "plant.inertia.I3", "--starts", "1"});
@@ -232,8 +232,8 @@ TEST_F(Data, WithNaNIsRefusedWithPlaceAndCount) {
   EXPECT_THAT(run.err, HasSubstr("17"));
 }
 
-TEST_F(Data, WithTimeThatDoesNotRiseIsRefused) {
-  columns_[0].values[30] = columns_[0].values[29];
+TEST_F(Data, WithTimeThatFallsIsRefused) {
+  columns_[0].values[30] = columns_[0].values[28];
   Write();
   const Outcome run = Run();
   EXPECT_EQ(run.exit, 2);
@@ -262,7 +262,10 @@ TEST_F(Data, WithFaultyMapsIsRefused) {
            {"rows = [600, 700]\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "rows"},
            {"tiem = { column = \"t\" }\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "did you mean \"time\"?"},
            {"time = { column = \"t\", unit = \"Hz\" }\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "no unit of time"},
-           {"time = \"t\"\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "time"},
+           {"time = \"tt\"\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "no column \"tt\""},
+           {"time = 3\n[output.T_shaft]\ncolumn = \"T_shaft\"\n", "time"},
+           {"[input.T_airgap]\ncolumn = \"T_airgap\"\nbetween = \"hold\"\n", "held"},
+           {"[output.T_shaft]\ncolumn = \"T_shaft\"\nbetween = \"held\"\n", "belongs to an input"},
            {"output = 3\n", "output"},
            {"", "record.csv"}}) {
     bench_.Write("map.toml", map);

@@ -12,7 +12,7 @@
 
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {
@@ -182,7 +182,7 @@ TEST_F(DiagnosedData, FaultsBehindAMapAreStillFaults) {
   };
   for (const Fault& fault :
        std::vector<Fault>{{"first in row 170", [](auto& c) { c[2].values[170] = c[2].values[171] = std::nan(""); }},
-                          {"does not rise at row 100", [](auto& c) { c[0].values[100] = c[0].values[99]; }},
+                          {"falls at row 100", [](auto& c) { c[0].values[100] = c[0].values[98]; }},
                           {"constant", [](auto& c) { c[3].values.assign(c[3].values.size(), 3.0); }},
                           {"three rows at least", [](auto& c) {
                              for (Column& column : c) column.values.resize(2);
@@ -206,7 +206,8 @@ TEST_F(DiagnosedData, FaultsBehindAMapAreStillFaults) {
   const Outcome check = bench_.Call({"check-data", "record.csv", "--scenario", "line.toml", "--map", "map.toml"});
   EXPECT_EQ(check.exit, 2) << check.Both();
   EXPECT_THAT(check.Both(), HasSubstr("gap"));
-  EXPECT_THAT(check.Both(), HasSubstr("0.02 s in all, the first at 0.4999 s (row 5000)"));
+  EXPECT_THAT(check.Both(),
+              HasSubstr("200 rows are missing of 6001 in 1 gaps, the longest 0.02 s at 0.4999 s (row 5000)"));
 }
 
 /// MAT files from outside; what is in them otherwise is the reader's own test.

@@ -9,7 +9,7 @@
 #include "tests/support/noisy_record.h"
 #include "tests/support/program.h"
 #include "tests/support/project.h"
-#include "trace/csv.h"
+#include "trace/csv_write.h"
 
 namespace dynoproof::test {
 namespace {
@@ -206,7 +206,7 @@ TEST_F(Measured, FaultsOfARecordAreNamed) {
   };
   const Fault faults[] = {
       {"not_finite", [](auto& c) { c[2].values[17] = std::numeric_limits<double>::quiet_NaN(); }},
-      {"not_rising", [](auto& c) { c[0].values[100] = c[0].values[99]; }},
+      {"not_rising", [](auto& c) { c[0].values[100] = c[0].values[98]; }},
       {"gap",
        [](auto& c) {
          for (std::size_t i = 3000; i < c[0].values.size(); ++i) c[0].values[i] += 0.1;

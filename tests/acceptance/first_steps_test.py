@@ -47,6 +47,17 @@ class FirstSteps(Steps):
         self.assertIn("pass", self.script(script))
         self.assertTrue((self.folder / "out/my_line.h5").exists())
 
+    def test_a_record_of_ones_own(self):
+        """The commands of the README, and what they find: the numbers that the trace came from."""
+        (self.folder / "my_line.toml").unlink()
+        (script,) = blocks("README.md", "sh", "Your own record")
+        self.script(script)
+        last = [line for line in script.splitlines() if " identify " in line][0]
+        found = self.document(last.replace("build/", ""))["parameters"]
+        for key, true in (("plant.inertia.I3", 0.5), ("plant.shaft.k2.stiffness_Nm_per_rad", 2.5e5)):
+            # A band-limited interpolation is that good up to 0.8 of half the sampling rate, where this chirp ends.
+            self.assertAlmostEqual(found[key]["value"] / true, 1.0, delta=5e-3, msg=key)
+
     def test_the_changes_of_the_readme(self):
         shown = blocks("README.md", "toml", SECTION)
         excerpts = [one for one in shown if one.startswith("[plant]")]

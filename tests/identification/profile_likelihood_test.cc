@@ -58,7 +58,13 @@ TEST_F(SlowReach, GoesAsFarAsOneKindOfFrictionPassesForTheOther) {
   blind::IndependentLine line;
   line.load[4] = FrictionByDirection(21.0, kDry_Nm, 1.2, kViscous);
   const EstimationProblem problem = Measured(line, 50.0);
-  const Estimate fit = FitOf(problem, "asymmetric_friction", "inertia:I5", {21.0, kDry_Nm, 1.2, 8.0});
+  // A search comes to rest where the last bit of a sine leads it. Held far off, all else fitted, this number is where
+  // some of them have ended.
+  Hypothesis at = problem.Nominal();
+  at.effects = {{registry_.FindEffect("asymmetric_friction"), *ParsePlace("inertia:I5"), {21.0, kDry_Nm, 1.2, 8.0}}};
+  Estimate fit = EstimateAt(problem, at);
+  fit = Estimator(problem, WhitenerOf(problem, fit, 0)).Refine(std::move(fit), 8, {.held = 3});
+  Estimator(problem, WhitenerOf(problem, fit)).Derive(fit);
   ASSERT_TRUE(fit.ok()) << fit.broken;
   const double found = fit.hypothesis.effects[0].parameters[3], half = 1.96 * std::sqrt(fit.covariance(3, 3));
   ASSERT_GT(std::abs(found - kViscous), half) << "the covariance knows it by itself";

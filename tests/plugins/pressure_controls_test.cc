@@ -83,7 +83,7 @@ TEST(ChargeAirControl, TellsFlapTwoOfTheFlowThatFlapOneGives) {
   control.Tick({3e5, 3e5, 4.5e5, kSpeed});
   const std::vector<double> free = control.Tick({3e5, 3e5, 4.5e5, kSpeed});
   const std::vector<double> held = control.Tick({9e5, 3e5, 4.5e5, kSpeed});  // far beyond what flap 1 can give
-  EXPECT_EQ(held[0], 50.0);
+  EXPECT_DOUBLE_EQ(held[0], 50.0);                                           // by way of a cosine and back
   // q_1 + q_2 = -w_2 all the same: what flap 1 takes more, flap 2 gives less.
   const mechanics::Gas air;
   const auto one = mechanics::FlapArea::Cosine(1e-5, 9e-3), two = mechanics::FlapArea::Cosine(1e-5, 4.5e-3);

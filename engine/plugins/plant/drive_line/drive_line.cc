@@ -106,7 +106,7 @@ std::span<T> Scratch(std::size_t size) {
 void DriveLine::Start(std::span<const double>, std::span<double> states, std::span<int> modes) const {
   const int n = linear_.size();
   for (int i = 1; i < n; ++i) states[i - 1] = initial_angles_[i];
-  for (int i = 0; i < n; ++i) states[n + i] = initial_speed_;
+  for (int i = 0; i < n; ++i) states[n + i] = initial_speeds_[i];
   for (const Element& element : elements_) {
     const LawView view = MakeView({0.0, {}, states, modes}, element, 0.0);
     const Layout& own = element.law->layout();

@@ -35,16 +35,21 @@ class DriveLineBuilder {
       Fault(table_.where(), "the drive line has no inertia", "add [plant.inertia] or [plant.rotor.NAME]");
     if (context_.diagnostics.error_count() == before) CheckConnected();
     if (context_.diagnostics.error_count() != before) return nullptr;
-    AddInitialAngles();
+    AddInitialState();
     if (context_.diagnostics.error_count() != before) return nullptr;
     AddStates();
     AddOutputs();
-    line_->initial_speed_ = params_.initial_speed_rad_per_s;
     line_->Finish();
     return std::move(line_);
   }
 
  private:
+  struct InitialTwist {
+    int from, to;
+    double twist_rad, rate_rad_per_s;
+    const Value* table;  // of the shaft; null: within a rotor
+  };
+
   /// The nodes of one named inertia or rotor, left to right.
   struct Body {
     int first, count;
@@ -153,7 +158,8 @@ class DriveLineBuilder {
     const Value* between = table.Find("between");
     const bool pair = between != nullptr && between->is_array() && between->array().size() == 2 &&
                       between->array()[0].is_string() && between->array()[1].is_string();
-    std::unique_ptr<Law> law = MakeLaw(name, table, {"between", "initial_twist_rad"}, "spring_damper");
+    std::unique_ptr<Law> law =
+        MakeLaw(name, table, {"between", "initial_twist_rad", "initial_twist_rate_rad_per_s"}, "spring_damper");
     if (!pair) {
       Fault(between != nullptr ? between->where() : table.where(),
             fmt::format("shaft \"{}\" does not say what it joins", name), "write between = [\"I1\", \"I2\"]");
@@ -167,13 +173,10 @@ class DriveLineBuilder {
             "name two inertias");
       return;
     }
-    const Value* twist = table.Find("initial_twist_rad");
-    if (twist != nullptr && !(twist->is_number() && std::isfinite(twist->number()))) {
-      Fault(twist->where(), fmt::format("initial_twist_rad of shaft \"{}\" is no finite number", name),
-            "the twist at t = 0 in rad");
-      return;
-    }
-    initial_twists_.push_back({from, to, twist != nullptr ? twist->number() : 0.0, &table});
+    const std::optional<double> twist = InitialValue(name, table, "initial_twist_rad");
+    const std::optional<double> rate = InitialValue(name, table, "initial_twist_rate_rad_per_s");
+    if (!twist || !rate) return;
+    initial_twists_.push_back({from, to, *twist, *rate, &table});
     const SpringDamper linear = law->linear();
     const int edge = AddEdge(name, from, to, linear, law->linearised(), 1.0);
     named_edges_.push_back({name, {edge}, true, IsSpringDamper(*law)});
@@ -293,35 +296,52 @@ class DriveLineBuilder {
     }
   }
 
-  /// From the twists at t = 0 to angles relative to node 0; slices of a rotor start without twist. Shafts that close a
-  /// circle must agree with the others.
-  void AddInitialAngles() {
-    const int n = line_->linear_.size();
+  /// What a shaft starts with, 0 where nothing is written; none, with a diagnostic, for what is no finite number.
+  std::optional<double> InitialValue(const std::string& shaft, const Value& table, const char* key) {
+    const Value* value = table.Find(key);
+    if (value == nullptr) return 0.0;
+    if (value->is_number() && std::isfinite(value->number())) return value->number();
+    Fault(value->where(), fmt::format("{} of shaft \"{}\" is no finite number", key, shaft),
+          "the twist at t = 0 in rad, its rate in rad/s");
+    return std::nullopt;
+  }
+
+  /// From the twists and their rates at t = 0 to angles and speeds relative to node 0; slices of a rotor start without
+  /// twist.
+  void AddInitialState() {
     for (const auto& [name, body] : bodies_) {
       for (int i = body.first + 1; i < body.first + body.count; ++i)
-        initial_twists_.push_back({i - 1, i, 0.0, nullptr});
+        initial_twists_.push_back({i - 1, i, 0.0, 0.0, nullptr});
     }
-    std::vector<double>& angles = line_->initial_angles_;
-    angles.assign(n, std::numeric_limits<double>::quiet_NaN());
-    angles[0] = 0.0;
+    line_->initial_angles_ = FromDifferences(&InitialTwist::twist_rad, "initial_twist_rad");
+    line_->initial_speeds_ = FromDifferences(&InitialTwist::rate_rad_per_s, "initial_twist_rate_rad_per_s");
+    for (double& speed : line_->initial_speeds_) speed += params_.initial_speed_rad_per_s;
+  }
+
+  /// The value of each node, 0 at node 0, from the differences over shafts. Those that close a circle must agree with the
+  /// others.
+  std::vector<double> FromDifferences(double InitialTwist::*difference, const char* key) {
+    std::vector<double> values(line_->linear_.size(), std::numeric_limits<double>::quiet_NaN());
+    values[0] = 0.0;
     for (bool changed = true; changed;) {
       changed = false;
       for (const InitialTwist& one : initial_twists_) {
-        const bool from_known = !std::isnan(angles[one.from]), to_known = !std::isnan(angles[one.to]);
+        const bool from_known = !std::isnan(values[one.from]), to_known = !std::isnan(values[one.to]);
         if (from_known == to_known) continue;
-        if (from_known) angles[one.to] = angles[one.from] - one.twist_rad;
-        if (to_known) angles[one.from] = angles[one.to] + one.twist_rad;
+        if (from_known) values[one.to] = values[one.from] - one.*difference;
+        if (to_known) values[one.from] = values[one.to] + one.*difference;
         changed = true;
       }
     }
     for (const InitialTwist& one : initial_twists_) {
-      const double seen = angles[one.from] - angles[one.to];
-      // A difference of angles is no more exact than these.
-      const double size = std::abs(seen) + std::abs(one.twist_rad) + 1e-3 * std::abs(angles[one.from]);
-      if (one.table == nullptr || std::abs(seen - one.twist_rad) <= 1e-9 * size) continue;
-      Fault(one.table->where(), "initial_twist_rad does not fit the other shafts of the circle",
-            "twists around a circle add up to zero");
+      const double seen = values[one.from] - values[one.to];
+      // A difference of values is no more exact than these.
+      const double size = std::abs(seen) + std::abs(one.*difference) + 1e-3 * std::abs(values[one.from]);
+      if (one.table == nullptr || std::abs(seen - one.*difference) <= 1e-9 * size) continue;
+      Fault(one.table->where(), fmt::format("{} does not fit the other shafts of the circle", key),
+            "they add up to zero around a circle");
     }
+    return values;
   }
 
   void AddStates() {
@@ -399,12 +419,6 @@ class DriveLineBuilder {
       }
     }
   }
-
-  struct InitialTwist {
-    int from, to;
-    double twist_rad;
-    const Value* table;  // of the shaft; null: within a rotor
-  };
 
   struct NamedEdges {
     std::string name;

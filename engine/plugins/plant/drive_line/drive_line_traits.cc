@@ -46,9 +46,11 @@ std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
         nuisances.push_back({damped, false, 0.002 * std::sqrt(0.1 * *stiffness),
                              "a nominal 0 is a simplification, which another structure may not inherit", false, true});
       }
-      if (std::string_view(section) == "plant.shaft")
-        nuisances.push_back({path + "initial_twist_rad", false, torque / *stiffness,
-                             "a record may start while the line is wound up", true});
+      if (std::string_view(section) != "plant.shaft") continue;
+      nuisances.push_back({path + "initial_twist_rad", false, torque / *stiffness,
+                           "a record may start while the line is wound up", true});
+      nuisances.push_back({path + "initial_twist_rate_rad_per_s", false, kStartSpeed_rad_per_s,
+                           "a record may start while the line swings", true, false, true});
     }
   }
   return nuisances;

@@ -1,0 +1,116 @@
+// dynoproof export
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "app/app.h"
+#include "base/text.h"
+#include "experiment/records.h"
+#include "trace/csv_write.h"
+#include "trace/mat_write.h"
+
+namespace dynoproof::app {
+namespace {
+
+struct ExportArguments {
+  Common common;
+  std::string trace, to = "csv", out;
+  std::vector<std::string> signals;
+  int every = 1;
+};
+
+/// Columns of one raster, its time first.
+using Raster = std::vector<trace::Column>;
+
+/// The columns asked for by raster, every n-th row; what is not there becomes a diagnostic.
+std::vector<Raster> RastersOf(const trace::Record& record, const ExportArguments& arguments, Diagnostics& diagnostics) {
+  for (const std::string& name : arguments.signals) {
+    if (record.Find(name)) continue;
+    const std::optional<std::string> near = Closest(name, record.Names());
+    diagnostics.Error(
+        {"--signals"}, fmt::format("{} has no signal \"{}\"", arguments.trace, name),
+        near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("it has: {}", fmt::join(record.Names(), ", ")));
+  }
+  std::map<std::size_t, Raster> rasters;
+  const auto thinned = [&](trace::Column column) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < column.values.size(); i += static_cast<std::size_t>(arguments.every))
+      kept.push_back(column.values[i]);
+    column.values = std::move(kept);
+    return column;
+  };
+  for (const trace::Column& column : record.columns) {
+    const bool wanted = arguments.signals.empty() || std::find(arguments.signals.begin(), arguments.signals.end(),
+                                                               column.name) != arguments.signals.end();
+    if (!column.time || !wanted) continue;
+    Raster& raster = rasters[*column.time];
+    if (raster.empty()) raster.push_back(thinned(record.columns[*column.time]));
+    raster.push_back(thinned(column));
+  }
+  std::vector<Raster> all;
+  for (auto& [time, raster] : rasters) all.push_back(std::move(raster));
+  if (all.empty() && !diagnostics.has_errors())
+    diagnostics.Error({arguments.trace}, "has no signal with time stamps", "nothing to export");
+  return all;
+}
+
+int Export(const ExportArguments& arguments) {
+  const Result<trace::Record> record = ReadRecord(arguments.trace);
+  if (!record.ok()) {
+    Complain(record.failure().ToString() + "\n");
+    return kUsage;
+  }
+  Diagnostics diagnostics;
+  std::vector<Raster> rasters = RastersOf(*record, arguments, diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  const std::filesystem::path out =
+      arguments.out.empty() ? std::filesystem::path(arguments.trace).replace_extension("." + arguments.to).filename()
+                            : std::filesystem::path(arguments.out);
+  std::vector<std::string> files;
+  Status failed;
+  if (arguments.to == "mat") {
+    std::vector<trace::Column> columns;
+    for (Raster& raster : rasters) columns.insert(columns.end(), raster.begin(), raster.end());
+    failed = trace::WriteMat(out, columns);
+    files.push_back(out.string());
+  }
+  for (std::size_t r = 0; arguments.to == "csv" && r < rasters.size() && !failed; ++r) {
+    // A table has one time: each raster is a file of its own.
+    std::filesystem::path file = out;
+    if (r > 0) file.replace_filename(fmt::format("{}_{}{}", out.stem().string(), r, out.extension().string()));
+    rasters[r].front().name = "time";
+    failed = trace::WriteCsv(file, rasters[r]);
+    files.push_back(file.string());
+  }
+  if (failed) {
+    Complain(failed->ToString() + "\n");
+    return failed->exit_code;
+  }
+  for (const std::string& file : files) Print(arguments.common, file + "\n");
+  KeepJson({{"files", files}});
+  return kGood;
+}
+
+}  // namespace
+
+void AddExport(CLI::App& program, int& exit) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = program.add_subcommand("export", "a trace or record as a file that other tools open");
+  command->add_option("trace", arguments->trace, "HDF5, CSV or MAT file")->required();
+  command->add_option("--to", arguments->to, "csv (a file a raster) or mat (version 4)")
+      ->check(CLI::IsMember({"csv", "mat"}));
+  command->add_option("--out", arguments->out, "file (default: the trace's name, here)");
+  command->add_option("--signals", arguments->signals, "NAME,...: these only")->delimiter(',')->allow_extra_args(false);
+  command->add_option("--every", arguments->every, "every n-th row")->check(CLI::Range(1, 1000000));
+  AddCommon(*command, arguments->common);
+  AddExamples(*command,
+              "  dynoproof export out/my_line.h5 --to csv\n"
+              "  dynoproof export out/my_line.h5 --to mat --signals T_shaft,omega_1 --out bench.mat\n"
+              "  dynoproof export out/my_line.h5 --to csv --every 10 --out at_1_kHz.csv");
+  command->callback([arguments, &exit] { exit = Export(*arguments); });
+}
+
+}  // namespace dynoproof::app

@@ -1,0 +1,192 @@
+#include "experiment/drive_by_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace dynoproof {
+namespace {
+
+/// Of a period: what an input that switches so much beside a tick moves is a millionth of what a period moves.
+constexpr double kOnTick = 1e-3;
+
+using Values = std::vector<double>;
+
+Series MakeSeries(Values time, Values values) {
+  return {std::make_shared<const Values>(std::move(time)), std::make_shared<const Values>(std::move(values))};
+}
+
+/// The largest distance of the samples from ticks of a period [periods].
+double OffTicks(const Values& time, double period_s) {
+  double off = 0.0;
+  for (const double t : time) off = std::max(off, std::abs(t / period_s - std::round(t / period_s)));
+  return off;
+}
+
+bool AllOnTicks(const MappedRecord& data, double period_s) {
+  for (const auto* signals : {&data.inputs, &data.outputs}) {
+    for (const auto& [name, series] : *signals) {
+      if (OffTicks(*series.time, period_s) > kOnTick) return false;
+    }
+  }
+  return true;
+}
+
+/// The series with its samples on ticks, where each is near one of its own.
+Series OnTicks(const Series& series, double period_s) {
+  Values ticks(series.time->size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) ticks[i] = std::round((*series.time)[i] / period_s) * period_s;
+  return {std::make_shared<const Values>(std::move(ticks)), series.values};
+}
+
+/// The series half a period earlier: a source that interpolates then holds over each period the value of its middle,
+/// without the lag of half a period that holding the value of its beginning has.
+Series Centred(const Series& series, double period_s) {
+  Values time = *series.time;
+  for (double& t : time) t -= 0.5 * period_s;
+  return {std::make_shared<const Values>(std::move(time)), series.values};
+}
+
+/// The mean over each period, held: of steps at the samples, or of straight lines between them.
+Series MeansOf(const Series& series, double period_s, bool lines) {
+  const Values &t = *series.time, &x = *series.values;
+  const auto periods = static_cast<std::size_t>(std::ceil(t.back() / period_s - kOnTick)) + 1;
+  Values time(periods), mean(periods);
+  std::size_t i = 0;  // the sample at or before
+  for (std::size_t k = 0; k < periods; ++k) {
+    const double begin = static_cast<double>(k) * period_s, end = begin + period_s;
+    double sum = 0.0, from = begin;
+    while (from < end) {
+      while (i + 1 < t.size() && t[i + 1] <= from) ++i;
+      const bool inside = i + 1 < t.size() && from >= t[i];
+      const double until = std::min(end, from < t.front() ? t.front() : inside ? t[i + 1] : end);
+      double value = from < t.front() ? x.front() : x[i];
+      if (lines && inside) {
+        const double middle = 0.5 * (from + until);
+        value += (x[i + 1] - x[i]) * (middle - t[i]) / (t[i + 1] - t[i]);
+      }
+      sum += value * (until - from);
+      if (!(until > from)) break;
+      from = until;
+    }
+    time[k] = begin, mean[k] = sum / period_s;
+  }
+  return MakeSeries(std::move(time), std::move(mean));
+}
+
+/// The finest uniform step of the inputs, or of the outputs where nothing is driven; 0: there is none.
+double FinestStep(const MappedRecord& data) {
+  double step = 0.0;
+  for (const auto& [name, series] : data.inputs.empty() ? data.outputs : data.inputs) {
+    const auto known = data.step_s.find(name);
+    if (known != data.step_s.end() && (step == 0.0 || known->second < step)) step = known->second;
+  }
+  return step;
+}
+
+/// A period of whole nanoseconds that divides a step as nearly as may be, and is near the run's own [s]. Where nanoseconds
+/// do not divide it, samples drift off the ticks, but slowly.
+double PeriodFor(double step_s, double own_s) {
+  constexpr double kFarther = 1e-6;  // of the step, for which a period twice as far from the run's own is worth it
+  double best_s = own_s, least = std::numeric_limits<double>::infinity();
+  const int parts = std::max(1, static_cast<int>(std::lround(std::min(1e6, step_s / own_s))));
+  for (int n = std::max(1, parts / 4); n <= parts + 3; ++n) {
+    const double period_s = std::max(1.0, std::round(step_s / n * 1e9)) * 1e-9;
+    const double cost = std::abs(period_s * n / step_s - 1.0) + kFarther * std::abs(std::log2(period_s / own_s));
+    if (cost < least) least = cost, best_s = period_s;
+  }
+  return best_s;
+}
+
+std::string BetweenOf(const MappedRecord& data, const std::string& name, const Plan& plan) {
+  const auto said = data.between.find(name);
+  const std::string text =
+      said != data.between.end() ? said->second : plan.root.TextOr("input." + name + ".source.interpolation", "hold");
+  return text == "held" ? "hold" : text;
+}
+
+/// A control block's period is a multiple of the run's: it cannot have another one.
+bool HasControllers(const Plan& plan) {
+  const Value* blocks = plan.root.Find("control");
+  return blocks != nullptr && blocks->is_table() && !blocks->table().empty();
+}
+
+}  // namespace
+
+MappedRecord OntoClock(MappedRecord data, const Plan& plan) {
+  if (data.period_s > 0.0) return data;
+  const double own_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
+  data.period_s = own_s;
+  if (const double step_s = FinestStep(data); step_s > 0.0 && !HasControllers(plan) && !AllOnTicks(data, own_s)) {
+    data.period_s = PeriodFor(step_s, own_s);
+    data.notes.push_back(
+        fmt::format("the run's period is {:.9g} s instead of {:g} s, so that the record's samples lie on its ticks",
+                    data.period_s, own_s));
+  }
+  double shift_s = 0.0, beside_s = 0.0;
+  for (auto* signals : {&data.inputs, &data.outputs}) {
+    for (auto& [name, series] : *signals) {
+      const double off_s = OffTicks(*series.time, data.period_s) * data.period_s;
+      const bool near = off_s <= kOnTick * data.period_s;
+      if (near) series = OnTicks(series, data.period_s);
+      double& largest = near ? shift_s : beside_s;
+      if (near || signals == &data.inputs) largest = std::max(largest, off_s);
+    }
+  }
+  if (shift_s > 1e-9)
+    data.notes.push_back(fmt::format("samples were moved onto the run's ticks, by {:.2g} s at most", shift_s));
+  if (beside_s > 0.0)
+    data.notes.push_back(
+        fmt::format("samples of inputs lie up to {:.2g} s beside the ticks of {:g} s: each period holds the mean of "
+                    "what the input does "
+                    "in it",
+                    beside_s, data.period_s));
+  return data;
+}
+
+void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
+  const MappedRecord data = OntoClock(given, plan);
+  const double period_s = data.period_s;
+  for (const auto& [name, series] : data.inputs) {
+    std::string between = BetweenOf(data, name, plan);
+    const bool on_ticks = OffTicks(*series.time, period_s) <= kOnTick;
+    if (between == "band_limited" && !data.step_s.contains(name)) between = "linear";
+    if (between == "band_limited" || (between == "linear" && on_ticks)) {
+      records[name] = Centred(series, period_s);
+    } else if (on_ticks) {
+      records[name] = series;
+    } else {
+      records[name] = MeansOf(series, period_s, between == "linear");
+      between = "hold";
+    }
+    Value& input = plan.root["input"][name];
+    input.Erase("from");
+    input["source"] = Value{{"type", "replay"}, {"record", name}, {"interpolation", between}};
+  }
+  Value& run = plan.root["run"];
+  run["period_s"] = Value(period_s);
+  run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - kOnTick)) * period_s);
+}
+
+std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
+  // A scenario's duration and period are those of its experiment. A record that lasts hundreds of times as long, in steps
+  // as much longer, is another one, or in milliseconds.
+  constexpr double kForeign = 100.0;
+  const double duration_s = plan.root.NumberOr("run.duration_s", 0.0);
+  const double period_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
+  const auto& signals = data.inputs.empty() ? data.outputs : data.inputs;
+  if (duration_s <= 0.0 || signals.empty()) return "";
+  const Values& time = *signals.begin()->second.time;
+  const double step_s = data.end_s / static_cast<double>(std::max<std::size_t>(2, time.size()) - 1);
+  const bool slow = step_s > kForeign * period_s && data.end_s > kForeign * duration_s;
+  const bool fast = step_s * kForeign < period_s && data.end_s * kForeign < duration_s;
+  if (!slow && !fast) return "";
+  return fmt::format(
+      "the record lasts {:.4g} s in steps of {:.3g} s, the scenario {:.4g} s in steps of {:g} s: is its time in {}?",
+      data.end_s, step_s, duration_s, period_s, slow ? "ms or us" : "minutes or hours");
+}
+
+}  // namespace dynoproof

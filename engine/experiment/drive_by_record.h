@@ -1,0 +1,29 @@
+// Brings a record onto the clock of a run: which period the run has, and what each input does in each of its periods.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/records.h"
+#include "model/plan.h"
+#include "model/registry.h"
+
+namespace dynoproof {
+
+/// Brings the record onto the clock of the plan's run, and adds to its notes what that changed; one that is on a clock
+/// already stays as it is.
+///
+/// The run keeps its own period where all samples lie on its ticks. Else, if the inputs have a uniform base and the plan
+/// no controllers (whose periods divide the run's), it gets a period that divides their step.
+MappedRecord OntoClock(MappedRecord data, const Plan& plan);
+
+/// Drives the inputs of the record by it, for as long as it lasts: the plan gets replay sources, period and duration,
+/// `records` the series. Between samples an input does what the record says of it, else what the scenario's own replay
+/// says, else it is held. One whose samples lie between ticks is held over each period at its mean there, which errs in
+/// second order of the period.
+void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records);
+
+/// Why the record has nothing to do with the time scales of the scenario, e.g. milliseconds taken as seconds; or "".
+std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan);
+
+}  // namespace dynoproof

@@ -1,0 +1,96 @@
+#include "identification/between_samples.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/prediction_windows.h"
+#include "identification/estimation_problem.h"
+#include "identification/start.h"
+
+namespace dynoproof::identification {
+namespace {
+
+/// Of the distance of held inputs. Half a sample more or less on the way changes the misfit of a right model tenfold and
+/// more, that of a wrong one hardly: between lies the doubt, in which inputs stay held.
+constexpr double kClearly = 0.5;
+constexpr double kWorthAWord = 0.9;
+
+std::string Words(const std::string& between) { return between == "band_limited" ? "band-limited" : between; }
+
+}  // namespace
+
+std::vector<std::string> UnstatedInputs(const Plan& plan, const MappedRecord& record) {
+  std::vector<std::string> inputs;
+  for (const auto& [name, series] : record.inputs) {
+    const bool said = record.between.contains(name) && !record.guessed.contains(name);
+    const bool stated = said || plan.root.FindPath("input." + name + ".source.interpolation") != nullptr;
+    if (!stated) inputs.push_back(name);
+  }
+  return inputs;
+}
+
+MappedRecord WithBetween(MappedRecord record, const Plan& plan, const std::string& between) {
+  for (const std::string& name : UnstatedInputs(plan, record))
+    record.between[name] = between, record.guessed.insert(name);
+  return record;
+}
+
+std::vector<std::string> PossibleBetween(const Plan& plan, const MappedRecord& record) {
+  const std::vector<std::string> inputs = UnstatedInputs(plan, record);
+  const bool equal =
+      std::all_of(inputs.begin(), inputs.end(), [&](const std::string& name) { return record.step_s.contains(name); });
+  return equal ? std::vector<std::string>{"held", "linear", "band_limited"}
+               : std::vector<std::string>{"held", "linear"};
+}
+
+std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registry, const MappedRecord& record) {
+  std::vector<BetweenFit> fits;
+  // Windows start from a state that was corrected by the record: half a sample hardly shows in them.
+  if (UnstatedInputs(plan, record).empty() || record.outputs.empty() || PredictionWindow(plan)) return fits;
+  for (const std::string& between : PossibleBetween(plan, record)) {
+    const EstimationProblem problem(plan, {WithBetween(record, plan, between)}, registry);
+    const Result<Plan> start = FitStarts(problem, problem.plan());
+    const Result<Eigen::VectorXd> predicted = start.ok() ? problem.PredictPlan(*start) : start.failure();
+    if (!predicted.ok()) return {};
+    double sum = 0.0, channels = 0.0;
+    for (const Channel& c : problem.channels()) {
+      if (!(c.spread > 1e-12 * c.nominal)) continue;
+      const auto error = (problem.measured() - *predicted).segment(c.begin, c.count);
+      sum += error.squaredNorm() / static_cast<double>(c.count) / (c.spread * c.spread), channels += 1.0;
+    }
+    if (channels == 0.0) return {};
+    fits.push_back({between, std::sqrt(sum / channels)});
+  }
+  return fits;
+}
+
+bool IsClear(const std::vector<BetweenFit>& fits, const std::string& between) {
+  const auto own =
+      std::find_if(fits.begin(), fits.end(), [&](const BetweenFit& fit) { return fit.between == between; });
+  return own != fits.end() && std::all_of(fits.begin(), fits.end(), [&](const BetweenFit& fit) {
+           return fit.between == between || own->nrmse < kClearly * fit.nrmse;
+         });
+}
+
+void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& record) {
+  const std::vector<BetweenFit> fits = CompareBetween(plan, registry, record);
+  if (fits.empty()) return;
+  const auto best =
+      std::min_element(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
+  // Straight lines and band-limited courses are near each other, and both are no steps.
+  const BetweenFit& taken = best->nrmse < kClearly * fits.front().nrmse ? *best : fits.front();
+  record = WithBetween(std::move(record), plan, taken.between);
+  if (best->nrmse > kWorthAWord * fits.front().nrmse) return;
+  std::string distances;
+  for (const BetweenFit& fit : fits)
+    distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", Words(fit.between), fit.nrmse);
+  record.notes.push_back(
+      fmt::format("between their samples the inputs are taken as {}, which nobody says: the outputs are off the "
+                  "simulation by (NRMSE) "
+                  "{}{}; state it in a map: between = \"{}\"",
+                  Words(taken.between), distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
+}
+
+}  // namespace dynoproof::identification

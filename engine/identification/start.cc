@@ -1,0 +1,89 @@
+#include "identification/start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/parallel.h"
+#include "identification/noise_model.h"
+
+namespace dynoproof::identification {
+namespace {
+
+/// Of a start's prior spread: far above round-off, and an impact more or less is not to be met.
+constexpr double kStep = 1e-3;
+
+void Write(Plan& plan, const std::string& path, double value) {
+  Value* table = &plan.root;
+  std::size_t begin = 0;
+  for (std::size_t dot = path.find('.'); dot != std::string::npos; begin = dot + 1, dot = path.find('.', begin))
+    table = &(*table)[path.substr(begin, dot - begin)];
+  (*table)[path.substr(begin)] = Value(value);
+}
+
+double Read(const Plan& plan, std::size_t record, const std::string& path) {
+  return plan.root.NumberOr(StartOfRecord(record) + "." + path, plan.root.NumberOr(path, 0.0));
+}
+
+}  // namespace
+
+bool BeginsInMotion(const EstimationProblem& problem, std::size_t record) {
+  // A model that is a little off has hardly gone astray after three samples; what noise makes of them is known.
+  constexpr Eigen::Index kFirst = 3;
+  constexpr double kShare = 0.01, kSigmas = 6.0;  // of the spread; of the noise
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(problem.plan());
+  if (!predicted.ok()) return false;
+  return std::any_of(problem.channels().begin(), problem.channels().end(), [&](const Channel& c) {
+    if (c.record != record || c.count < kFirst) return false;
+    const auto rows = problem.measured().segment(c.begin, c.count);
+    const double most = std::max(kShare * c.spread, kSigmas * HighFrequencyFloor(rows));
+    return (rows - predicted->segment(c.begin, c.count)).head(kFirst).cwiseAbs().minCoeff() > most;
+  });
+}
+
+Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {
+  const std::vector<MappedRecord>& records = problem.records();
+  if (std::none_of(records.begin(), records.end(), [](const MappedRecord& one) { return one.in_motion; })) return plan;
+  std::vector<const Nuisance*> starts;
+  for (const Nuisance& nuisance : problem.nuisances()) {
+    if (nuisance.start) starts.push_back(&nuisance);
+  }
+  if (starts.empty()) return plan;
+  const Result<Eigen::VectorXd> before = problem.PredictPlan(plan);
+  if (!before.ok()) return before.failure();
+  Eigen::VectorXd weight(before->size());  // of each row
+  for (const Channel& c : problem.channels())
+    weight.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (!records[r].in_motion) continue;
+    Eigen::MatrixXd slopes(before->size(), static_cast<Eigen::Index>(starts.size()));
+    std::vector<Status> failed(starts.size());
+    ParallelFor(starts.size(), 0, [&](std::size_t k) {
+      Plan moved = plan;
+      Write(moved, StartOfRecord(r) + "." + starts[k]->path,
+            Read(plan, r, starts[k]->path) + kStep * starts[k]->spread);
+      const Result<Eigen::VectorXd> after = problem.PredictPlan(moved);
+      if (after.ok())
+        slopes.col(static_cast<Eigen::Index>(k)) = (*after - *before).cwiseProduct(weight) / kStep;
+      else
+        failed[k] = after.failure();
+    });
+    for (const Status& one : failed) {
+      if (one) return *one;
+    }
+    Eigen::VectorXd error = (problem.measured() - *before).cwiseProduct(weight);
+    for (const Channel& c : problem.channels()) {
+      if (c.record != r) error.segment(c.begin, c.count).setZero(), slopes.middleRows(c.begin, c.count).setZero();
+    }
+    // What the record does not show stays at its nominal value: the smallest of all solutions.
+    const Eigen::VectorXd z = slopes.completeOrthogonalDecomposition().solve(error);
+    for (std::size_t k = 0; k < starts.size(); ++k)
+      Write(plan, StartOfRecord(r) + "." + starts[k]->path,
+            Read(plan, r, starts[k]->path) + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
+  }
+  return plan;
+}
+
+}  // namespace dynoproof::identification

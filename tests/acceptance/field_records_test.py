@@ -1,0 +1,259 @@
+#!/usr/bin/env python3
+"""Records as people record them: one experiment, exact, written down in many ways. Each has to give the numbers of the line
+that it came from. field_records_test.py PROGRAM
+
+The truth is computed here, by a matrix exponential, and shares no code with the engine."""
+import os
+import sys
+import unittest
+
+import numpy as np
+
+from steps import Steps
+
+Steps.program = os.path.abspath(sys.argv.pop())
+I1, I2, I3, K1, K2, C1, C2 = 2.0, 0.3, 0.5, 4.0e5, 2.5e5, 8.0, 6.0  # of the template
+KEYS = "plant.inertia.I3,plant.shaft.k1.stiffness_Nm_per_rad"
+WRONG = " --set plant.inertia.I3=0.505 --set plant.shaft.k1.stiffness_Nm_per_rad=3.98e5"  # where fits begin
+EXACT = 1e-6  # NRMSE and relative error: what nine digits and the clock's nanoseconds leave
+
+
+def exponential(matrix):
+    """By scaling and squaring of a Taylor series: the norm is brought below 1/4, where 16 terms are exact."""
+    halvings = max(0, int(np.ceil(np.log2(np.linalg.norm(matrix, 1) * 4))))
+    scaled, term, total = matrix / 2.0**halvings, np.eye(len(matrix)), np.eye(len(matrix))
+    for k in range(1, 17):
+        term = term @ scaled / k
+        total = total + term
+    for _ in range(halvings):
+        total = total @ total
+    return total
+
+
+def line():
+    """States: twists of k1 and k2, speeds; the torque on I1."""
+    a = np.array([[0, 0, 1, -1, 0], [0, 0, 0, 1, -1],
+                  [-K1 / I1, 0, -C1 / I1, C1 / I1, 0],
+                  [K1 / I2, -K2 / I2, C1 / I2, -(C1 + C2) / I2, C2 / I2],
+                  [0, K2 / I3, 0, C2 / I3, -C2 / I3]], dtype=float)
+    return a, np.array([0, 0, 1 / I1, 0, 0])
+
+
+class Experiment:
+    """`torque` (one value a step) held over steps of `step_s`; t, T_airgap, T_shaft, omega_1 of each."""
+
+    def __init__(self, torque, step_s):
+        a, b = line()
+        both = exponential(np.block([[a, b[:, None]], [np.zeros((1, 6))]]) * step_s)
+        x, self.t, self.torque = np.zeros(5), np.arange(len(torque)) * step_s, np.asarray(torque)
+        shaft, omega = [], []
+        for u in torque:
+            shaft.append(K2 * x[1] + C2 * (x[3] - x[4]))
+            omega.append(x[2])
+            x = both[:5, :5] @ x + both[:5, 5] * u
+        self.shaft, self.omega = np.array(shaft), np.array(omega)
+
+    def rows(self, keep=slice(None)):
+        return np.column_stack([self.t, self.torque, self.shaft, self.omega])[keep]
+
+
+def chirp(t, top_hz=120.0):
+    return 100.0 * np.sin(np.pi * top_hz / 0.6 * t**2 + 0.3)
+
+
+def held(step_s=1e-3, seconds=0.6, hold=1):
+    t = np.arange(round(seconds / step_s)) * step_s
+    return Experiment(np.repeat(chirp(t[::hold]), hold)[:len(t)], step_s)
+
+
+def csv(rows, names="t,T_airgap,T_shaft,omega_1", stamp="{:.9g}", head=""):
+    lines = [stamp.format(row[0]) + "," + ",".join(f"{v:.12g}" for v in row[1:]) for row in rows]
+    return head + names + "\n" + "\n".join(lines) + "\n"
+
+
+class FieldRecords(Steps):
+    def setUp(self):
+        super().setUp()
+        self.shell("dynoproof new scenario line")
+
+    def write(self, name, text):
+        (self.folder / name).write_text(text)
+        return name
+
+    def distance(self, record, more=""):
+        """The largest NRMSE of an output in `run --data`."""
+        run = self.document(f"dynoproof run line.toml --data {record}{more}", None)["scenarios"][0]
+        values = [check["value"] for check in run["checks"] if check["kind"] == "record"]
+        self.assertTrue(values, run)
+        return max(values)
+
+    def identified(self, record, more=""):
+        found = self.document(f"dynoproof identify line.toml --data {record} --free {KEYS}{WRONG} --starts 1{more}", None)
+        return found["identified"]["parameters"] if "identified" in found else found["parameters"]
+
+    def exact(self, record, more="", within=EXACT):
+        self.assertLess(self.distance(record, more), within, record)
+        self.truth(self.identified(record, more), within)
+
+    def truth(self, parameters, within):
+        for key, true in zip(KEYS.split(","), (I3, K1)):
+            self.assertAlmostEqual(parameters[key]["value"] / true, 1.0, delta=within, msg=key)
+
+    def notes(self, record, more=""):
+        return self.shell(f"dynoproof check-data {record} --scenario line.toml{more}", exit=None).stderr
+
+    # --- instants
+
+    def test_rows_that_were_dropped(self):
+        rows = held(hold=5).rows()
+        keep = np.ones(len(rows), bool)
+        keep[np.random.default_rng(1).choice(len(rows) - 2, 150, replace=False) + 1] = False
+        keep[::5] = True  # where the input changes
+        record = self.write("drops.csv", csv(rows[keep]))
+        self.exact(record, " --map " + self.write("held.toml", "[input.T_airgap]\ncolumn = 'T_airgap'\nbetween = 'held'\n"
+                                                  "[output.T_shaft]\ncolumn = 'T_shaft'\n[output.omega_1]\ncolumn = 'omega_1'\n"))
+        said = self.notes(record)
+        self.assertIn(f"{len(rows) - keep.sum()} rows are missing of {len(rows)}", said)
+
+    def test_stamps_of_every_kind(self):
+        rows = held().rows()
+        for name, start, stamp, unit in (("plain", 0, "{:.9g}", ""), ("since 1970", 1687168800, "{:.3f}", ""),
+                                         ("nanoseconds", 1687168800e9, "{:.0f}", "ns"), ("offset", 12.3456, "{:.7f}", ""),
+                                         ("few digits", 5, "{:.4f}", "")):
+            with self.subTest(name):
+                moved = rows.copy()
+                moved[:, 0] = (rows[:, 0] if not unit else rows[:, 0] * 1e9) + start
+                units = f"{unit},N m,N m,rad/s\n" if unit else ""
+                names = "t,T_airgap,T_shaft,omega_1" + ("\n" + units.strip() if units else "")
+                self.exact(self.write("stamps.csv", csv(moved, names, stamp)))
+
+    def test_stamps_of_single_precision(self):
+        rows = held().rows()
+        rows[:, 0] = np.float32(rows[:, 0] + 300.0)
+        self.exact(self.write("single.csv", csv(rows, stamp="{:.17g}")))
+
+    def test_rates_that_the_period_does_not_divide(self):
+        for step, within in ((1.6384e-3, EXACT), (1 / 1024, 2e-5), (2.5e-4 / 3, 1e-4)):
+            with self.subTest(step=step):
+                record = self.write("rate.csv", csv(held(step).rows(), stamp="{:.12g}"))
+                # The clock counts whole nanoseconds: samples drift off its ticks, by up to 2.4 us here. Between ticks an
+                # output is the straight line, (2 pi 120 Hz 1e-4 s)^2 / 8 off at most.
+                self.assertLess(self.distance(record), 1e-3 if within > EXACT else EXACT)
+                self.truth(self.identified(record), within)
+
+    def test_jitter_is_told_and_does_little_harm(self):
+        """Commands that were given when the logger came by: each sample counts at its own instant."""
+        rng = np.random.default_rng(2)
+        instants = np.unique(np.concatenate([[0], np.arange(1, 600) * 100 + rng.integers(-8, 9, 599)]))
+        torque = np.zeros(60000)
+        for begin, end in zip(instants, list(instants[1:]) + [60000]):
+            torque[begin:end] = chirp(begin * 1e-5)
+        record = self.write("jitter.csv", csv(Experiment(torque, 1e-5).rows()[instants]))
+        self.assertLess(self.distance(record), 2e-3)  # (2 pi 120 Hz 1e-4 s)^2 / 8 between two ticks
+        self.truth(self.identified(record), 1e-3)
+        self.assertIn("its steps are not equal", self.notes(record))
+
+    def test_the_unit_of_time_in_the_file(self):
+        for unit, factor in (("ms", 1e3), ("us", 1e6), ("min", 1 / 60)):
+            with self.subTest(unit):
+                rows = held().rows()
+                rows[:, 0] *= factor
+                self.exact(self.write("unit.csv", csv(rows, f"t,T_airgap,T_shaft,omega_1\n{unit},N m,N m,rad/s", "{:.12g}")))
+        rows = held().rows()
+        record = self.write("unit.csv", csv(rows, "t,T_airgap,T_shaft,omega_1\nkg,N m,N m,rad/s"))
+        said = self.shell(f"dynoproof run line.toml --data {record}", exit=2).stderr
+        self.assertIn("no unit of time", said)
+
+    def test_milliseconds_that_nobody_calls_so(self):
+        rows = held().rows()
+        rows[:, 0] *= 1e3
+        said = self.shell(f"dynoproof identify line.toml --data {self.write('ms.csv', csv(rows))} --free {KEYS}", exit=2).stderr
+        self.assertIn("is its time in ms", said)
+
+    def test_rows_at_one_instant_are_an_event(self):
+        rows = held(hold=10).rows()
+        out = []
+        for i, row in enumerate(rows):
+            if i > 0 and row[1] != rows[i - 1][1]:
+                out.append([row[0], rows[i - 1][1], row[2], row[3]])
+                out.append([row[0], rows[i - 1][1], row[2], row[3]])
+            out.append(row)
+        record = self.write("events.csv", csv(out))
+        self.exact(record)
+        self.assertIn("events", self.notes(record))
+        out[40][0], out[41][0] = out[41][0], out[40][0] - 1e-3
+        self.assertIn("falls", self.shell(f"dynoproof run line.toml --data {self.write('falls.csv', csv(out))}", exit=2).stderr)
+
+    # --- rasters
+
+    def test_two_rasters_side_by_side(self):
+        fast, text = held().rows(), "t_fast,T_airgap,t_slow,T_shaft\n"
+        for i, row in enumerate(fast):
+            slow = f"{fast[5 * i][0]:.9g},{fast[5 * i][2]:.12g}" if 5 * i < len(fast) else ","
+            text += f"{row[0]:.9g},{row[1]:.12g},{slow}\n"
+        chart = self.write("map.toml", "[input.T_airgap]\ncolumn = 'T_airgap'\ntime = 't_fast'\n"
+                                       "[output.T_shaft]\ncolumn = 'T_shaft'\ntime = 't_slow'\n")
+        self.exact(self.write("side.csv", text), f" --map {chart}")
+
+    def test_two_rasters_in_one_column_of_time(self):
+        text = "t,T_airgap,T_shaft\n"
+        for i, row in enumerate(held().rows()):
+            text += f"{row[0]:.9g},{row[1]:.12g},{'' if i % 5 else format(row[2], '.12g')}\n"
+        self.exact(self.write("merged.csv", text))
+
+    def test_an_output_that_starts_later(self):
+        rows = held().rows()
+        text = "t_1,T_airgap,t_2,T_shaft\n"
+        late = rows[37:500]
+        for i, row in enumerate(rows):
+            slow = f"{late[i][0]:.9g},{late[i][2]:.12g}" if i < len(late) else ","
+            text += f"{row[0]:.9g},{row[1]:.12g},{slow}\n"
+        chart = self.write("map.toml", "[input.T_airgap]\ncolumn = 'T_airgap'\ntime = 't_1'\n"
+                                       "[output.T_shaft]\ncolumn = 'T_shaft'\ntime = 't_2'\n")
+        self.exact(self.write("late.csv", text), f" --map {chart}")
+
+    # --- between samples
+
+    def test_an_analogue_input(self):
+        """Never held: the plant was driven at 100 kHz, every hundredth sample was written down."""
+        fine = Experiment(chirp(np.arange(60000) * 1e-5 + 0.5e-5), 1e-5)
+        record = self.write("analogue.csv", csv(np.column_stack([fine.t, chirp(fine.t), fine.shaft, fine.omega])[::100]))
+        said = self.notes(record)
+        self.assertIn("band-limited", said)
+        self.truth(self.identified(record), 2e-3)  # the window of the interpolation is as good as that
+        stated = self.write("held.toml", "[input.T_airgap]\ncolumn = 'T_airgap'\nbetween = 'held'\n"
+                            "[output.T_shaft]\ncolumn = 'T_shaft'\n[output.omega_1]\ncolumn = 'omega_1'\n")
+        self.assertGreater(self.distance(record, f" --map {stated}"), 0.1)
+
+    def test_a_gain_is_no_shift(self):
+        """A held input with a wrong gain stays held: the two causes give one misfit, and are told apart."""
+        rows = held().rows()
+        rows[:, 1] *= 0.9
+        self.assertNotIn("band-limited", self.notes(self.write("gain.csv", csv(rows))))
+
+    # --- starts
+
+    def test_a_record_that_begins_in_motion(self):
+        rows = held(seconds=1.2).rows()[600:]
+        record = self.write("middle.csv", csv(rows))
+        self.assertIn("begins in motion", self.notes(record))
+        self.truth(self.identified(record), EXACT)
+
+    def test_two_records_each_with_its_start(self):
+        rows = held(seconds=1.2).rows()
+        a, b = self.write("a.csv", csv(rows[300:700])), self.write("b.csv", csv(rows[500:]))
+        self.truth(self.identified(f"{a} --data {b}"), EXACT)
+
+    # --- what nobody asked for
+
+    def test_columns_that_nobody_uses_change_nothing(self):
+        rows = held().rows()
+        plain = self.identified(self.write("plain.csv", csv(rows)))
+        lines = csv(rows).splitlines()
+        extra = "\n".join([lines[0] + ",gear,,T_shaft_raw,gear"] +
+                          [f"{one},{'DN'[i % 2]},{i},{'' if i % 3 else 'x'},{i}" for i, one in enumerate(lines[1:])])
+        self.assertEqual(plain, self.identified(self.write("extra.csv", extra + "\n")))
+
+
+if __name__ == "__main__":
+    unittest.main()
