@@ -120,7 +120,8 @@ class Proposal {
       text += fmt::format("unit = {}  # unsure: the file does not say it\n", Quoted(signal.unit));
     if (std::string_view(section) == "input")
       text +=
-          "# between = \"held\"     # or linear, band_limited: what it does between its samples; else the outputs "
+          "# between = \"held\"     # or linear, band_limited, band_limited_held: what it does between its samples; "
+          "else the outputs "
           "decide\n";
     return text;
   }

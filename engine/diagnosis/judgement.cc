@@ -311,6 +311,7 @@ void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
                                   std::min(p.upper, value + far.above + besides)});
     }
   }
+  AskIntervals(best);
   if (result_.verdict == Verdict::kEffectFound || alike_.size() + also_.size() < 2) return;
   std::vector<std::string> names;
   std::vector<EffectInstance> alike;
@@ -323,6 +324,28 @@ void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
   result_.experiment_text = SeparatingText(problem_, alike);
   const Result<std::string> file = WriteSeparating(problem_, alike, options_);
   if (file.ok()) result_.experiment_scenario = *file;
+}
+
+/// What is printed decides, too: it may reach farther than the covariance, which was asked before.
+void Judgement::AskIntervals(const Estimate& best) {
+  for (std::size_t e = 0; e < result_.effects.size(); ++e) {
+    bool strength = false, away = false;
+    for (std::size_t i = 0; i < result_.effects[e].parameters.size(); ++i) {
+      const double neutral = best.hypothesis.effects[e].effect->info().parameters[i].neutral;
+      if (!std::isfinite(neutral)) continue;
+      const FoundParameter& found = result_.effects[e].parameters[i];
+      strength = true;
+      away = away || found.lower > neutral || found.upper < neutral;
+    }
+    evidence_.includes_neutral = evidence_.includes_neutral || (strength && !away);
+  }
+  if (!evidence_.includes_neutral) return;
+  Rule();
+  result_.journal.push_back({"intervals",
+                             {evidence_.best},
+                             "the printed 95 % interval of a strength excludes its neutral value",
+                             {},
+                             ToString(result_.verdict) + ": " + result_.reason});
 }
 
 void Judgement::NoiseFloor(const Estimate& best) {
@@ -370,12 +393,24 @@ Status Judgement::MeasureGain(const Estimate& best) {
   if (!holdout.ok()) return holdout.failure();
   result_.simulations += 4;
   result_.holdout = *holdout;
-  double sum_before = 0.0, sum_after = 0.0;
+  // An effect has to gain on the nominal model with the values that were fitted to that alone, too: else they have gained.
+  Hypothesis released = found_.null.hypothesis;
+  if (result_.own_holdout) {
+    for (std::size_t i = 0; i < released.z.size(); ++i) {
+      if (problem_.nuisances()[i].start) released.z[i] = 0.0;
+    }
+  }
+  const auto nominal =
+      MeasureGains(full, full.PlanOf(released), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
+  if (!nominal.ok()) return nominal.failure();
+  result_.simulations += 2;
+  double sum_before = 0.0, sum_after = 0.0, sum_released = 0.0;
   for (const auto& [name, gain] : result_.holdout) {
     sum_before += gain.before * gain.before;
     sum_after += gain.after * gain.after;
+    sum_released += std::pow(nominal->at(name).before, 2);
   }
-  evidence_.holdout_gains = sum_after < sum_before;
+  evidence_.holdout_gains = sum_after < std::min(sum_before, sum_released);
   Rule();
   result_.journal.push_back(
       {"verdict",
@@ -384,6 +419,7 @@ Status Judgement::MeasureGain(const Estimate& best) {
        {{"largest_deviation", evidence_.best.empty() ? evidence_.null_deviation : evidence_.deviation},
         {"alike", static_cast<double>(evidence_.alike)},
         {"holdout_nrmse_before", std::sqrt(sum_before)},
+        {"holdout_nrmse_released", std::sqrt(sum_released)},
         {"holdout_nrmse_after", std::sqrt(sum_after)}},
        ToString(result_.verdict) + ": " + result_.reason});
   return {};

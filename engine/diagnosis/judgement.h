@@ -50,6 +50,7 @@ class Judgement {
   void ReportEffects(const std::vector<Estimate>& fits);
   /// The floor by channel: white noise as the highest frequencies show it, or, where the noise has a colour of its own
   /// and nothing but noise is left, the residual itself.
+  void AskIntervals(const Estimate& best);
   void NoiseFloor(const Estimate& best);
   /// Opened once, after the choice.
   Status MeasureGain(const Estimate& best);

@@ -366,10 +366,22 @@ class Searching {
     return {};
   }
 
+  /// A law that refines another has to be better than that one from where it stands itself: the plainer law may have come
+  /// to rest elsewhere, or never have got as far as here.
+  void AskPlainerLaw(const Estimator& estimator, std::vector<Estimate>& fits) const {
+    if (!Rubs(fits.front()) || fits.front().hypothesis.effects.size() != 1) return;
+    const Hypothesis plainer = AsCoulomb(*problem_, fits.front().hypothesis);
+    if (plainer.effects.front().SameCause(fits.front().hypothesis.effects.front())) return;
+    Estimate fit = EstimateAt(*problem_, plainer);
+    if (fit.ok()) fit = estimator.Refine(std::move(fit), 8);
+    if (fit.ok()) TakeUp(fits, std::move(fit));
+  }
+
   /// Laws of the same place contain one another, and the way of friction is rough: once more beside the nuisance
   /// parameters as the best one (the first) has them.
   void AskAtItsPlace(std::vector<Estimate>& fits) const {
     const Estimator estimator(*problem_, WhitenerOf(*problem_, fits.front()));
+    AskPlainerLaw(estimator, fits);
     for (std::size_t k = 1; k < fits.size(); ++k) {
       if (!fits[k].ok() || fits[k].hypothesis.effects.back().place != fits[0].hypothesis.effects.back().place) continue;
       Estimate beside = EstimateAt(*problem_, {fits[0].hypothesis.z, fits[k].hypothesis.effects});

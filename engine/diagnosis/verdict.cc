@@ -58,6 +58,11 @@ const Row kTable[] = {
      [](const VerdictEvidence&) {
        return std::string("what gains on the training data does not gain on the hold-out");
      }},
+    {"the interval of the best candidate includes its neutral value",
+     [](const VerdictEvidence& e) { return e.includes_neutral; }, Verdict::kUnexplained,
+     [](const VerdictEvidence& e) {
+       return fmt::format("the 95 % interval of {} includes that there is none of it", e.best);
+     }},
     {"several candidates alike", [](const VerdictEvidence& e) { return e.alike > 1; }, Verdict::kAmbiguous,
      [](const VerdictEvidence&) { return std::string("these data cannot tell the candidates apart"); }},
     {"one candidate, noise alone in its residual", [](const VerdictEvidence&) { return true; }, Verdict::kEffectFound,

@@ -21,7 +21,10 @@ struct VerdictEvidence {
   std::string pairs;                  // what became of pairs of effects; empty: none was tried
   std::vector<std::string> strained;  // nominal values without an effect of their own that the null model moves too far
   double null_deviation = 0.0;        // largest of the null model's nuisance parameters [prior standard deviations]
-  std::optional<bool> holdout_gains;  // whether the best candidate gains on the hold-out; nothing: not opened yet
+  // Whether the best candidate gains on the hold-out, on the scenario as written and on the nominal model with the values
+  // that were fitted to it alone; nothing: not opened yet.
+  std::optional<bool> holdout_gains;
+  bool includes_neutral = false;  // the interval that is printed says that the best candidate may be none
 };
 
 struct Ruling {

@@ -153,9 +153,12 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
   for (const auto& [name, series] : data.inputs) {
     std::string between = BetweenOf(data, name, plan);
     const bool on_ticks = OffTicks(*series.time, period_s) <= kOnTick;
-    if (between == "band_limited" && !data.step_s.contains(name)) between = "linear";
+    if (between.starts_with("band_limited") && !data.step_s.contains(name)) between = "linear";
     if (between == "band_limited" || (between == "linear" && on_ticks)) {
       records[name] = Centred(series, period_s);
+    } else if (between == "band_limited_held") {
+      records[name] = series;
+      between = "band_limited";
     } else if (on_ticks) {
       records[name] = series;
     } else {

@@ -35,8 +35,12 @@ struct ChannelTable {
     v.Optional("sign", sign, Between(-1.0, 1.0), "-1 turns the sign");
     v.Optional("gain", gain, Any(), "value = sign (gain column + offset), in `unit`");
     v.Optional("offset", offset, Any(), "see gain");
-    v.Optional("between", between, std::vector<std::string>{"", "held", "linear", "band_limited"},
-               "of an input: what it does between its samples; not said: the outputs decide, and a note says so");
+    v.Optional(
+        "between", between, std::vector<std::string>{"", "held", "linear", "band_limited", "band_limited_held"},
+        "of an input, what it does between its samples: held; linear; band_limited (an analogue signal); "
+        "band_limited_held (the "
+        "same, held over each period of the run: a controller's command that the logger saw less often). Not said: the "
+        "outputs decide, and a note says so");
     v.Optional("missing", missing, Any(), "true: rows without a number are rows without a sample");
     v.Optional("time", time, Any(),
                "a clock of its own: name of its column of stamps, or a table as for the whole file");

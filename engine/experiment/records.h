@@ -23,7 +23,7 @@ struct MappedRecord {
   /// may have samples before it. Of a uniform base they are multiples of its step.
   std::map<std::string, Series> inputs, outputs;
   std::map<std::string, double> step_s;        // of channels with a uniform base, by name
-  std::map<std::string, std::string> between;  // of inputs: "held", "linear", "band_limited", where that is known
+  std::map<std::string, std::string> between;  // of inputs, where that is known: as a map says it
   std::set<std::string> guessed;               // inputs of which nobody says it: `between` is what fits best
   std::vector<std::string> notes;              // what a reader should know
   double end_s = 0.0;                          // time of the last sample

@@ -17,8 +17,6 @@ namespace {
 constexpr double kClearly = 0.5;
 constexpr double kWorthAWord = 0.9;
 
-std::string Words(const std::string& between) { return between == "band_limited" ? "band-limited" : between; }
-
 }  // namespace
 
 std::vector<std::string> UnstatedInputs(const Plan& plan, const MappedRecord& record) {
@@ -41,7 +39,7 @@ std::vector<std::string> PossibleBetween(const Plan& plan, const MappedRecord& r
   const std::vector<std::string> inputs = UnstatedInputs(plan, record);
   const bool equal =
       std::all_of(inputs.begin(), inputs.end(), [&](const std::string& name) { return record.step_s.contains(name); });
-  return equal ? std::vector<std::string>{"held", "linear", "band_limited"}
+  return equal ? std::vector<std::string>{"held", "linear", "band_limited", "band_limited_held"}
                : std::vector<std::string>{"held", "linear"};
 }
 
@@ -85,12 +83,12 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
   if (best->nrmse > kWorthAWord * fits.front().nrmse) return;
   std::string distances;
   for (const BetweenFit& fit : fits)
-    distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", Words(fit.between), fit.nrmse);
+    distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
   record.notes.push_back(
       fmt::format("between their samples the inputs are taken as {}, which nobody says: the outputs are off the "
                   "simulation by (NRMSE) "
                   "{}{}; state it in a map: between = \"{}\"",
-                  Words(taken.between), distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
+                  taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
 }
 
 }  // namespace dynoproof::identification

@@ -12,7 +12,7 @@
 namespace dynoproof::identification {
 
 struct BetweenFit {
-  std::string between;  // "held", "linear", "band_limited"
+  std::string between;  // as a map says it
   double nrmse = 0.0;   // of all outputs, root mean square
 };
 

@@ -219,17 +219,24 @@ class FieldRecords(Steps):
         fine = Experiment(chirp(np.arange(60000) * 1e-5 + 0.5e-5), 1e-5)
         record = self.write("analogue.csv", csv(np.column_stack([fine.t, chirp(fine.t), fine.shaft, fine.omega])[::100]))
         said = self.notes(record)
-        self.assertIn("band-limited", said)
+        self.assertIn("taken as band_limited,", said)
         self.truth(self.identified(record), 2e-3)  # the window of the interpolation is as good as that
         stated = self.write("held.toml", "[input.T_airgap]\ncolumn = 'T_airgap'\nbetween = 'held'\n"
                             "[output.T_shaft]\ncolumn = 'T_shaft'\n[output.omega_1]\ncolumn = 'omega_1'\n")
         self.assertGreater(self.distance(record, f" --map {stated}"), 0.1)
 
+    def test_a_command_that_the_logger_saw_less_often(self):
+        """Held over each 100 us of a controller, written down at 1 kHz: the program's own trace is such a record."""
+        fine = Experiment(chirp(np.arange(6000) * 1e-4), 1e-4)
+        record = self.write("command.csv", csv(fine.rows()[::10]))
+        self.assertIn("taken as band_limited_held", self.notes(record))
+        self.truth(self.identified(record), 1e-4)
+
     def test_a_gain_is_no_shift(self):
         """A held input with a wrong gain stays held: the two causes give one misfit, and are told apart."""
         rows = held().rows()
         rows[:, 1] *= 0.9
-        self.assertNotIn("band-limited", self.notes(self.write("gain.csv", csv(rows))))
+        self.assertNotIn("taken as band_limited", self.notes(self.write("gain.csv", csv(rows))))
 
     # --- starts
 

@@ -56,7 +56,7 @@ class FirstSteps(Steps):
         found = self.document(last.replace("build/", ""))["parameters"]
         for key, true in (("plant.inertia.I3", 0.5), ("plant.shaft.k2.stiffness_Nm_per_rad", 2.5e5)):
             # A band-limited interpolation is that good up to 0.8 of half the sampling rate, where this chirp ends.
-            self.assertAlmostEqual(found[key]["value"] / true, 1.0, delta=5e-3, msg=key)
+            self.assertAlmostEqual(found[key]["value"] / true, 1.0, delta=1e-4, msg=key)
 
     def test_the_changes_of_the_readme(self):
         shown = blocks("README.md", "toml", SECTION)

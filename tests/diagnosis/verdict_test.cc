@@ -71,6 +71,16 @@ TEST(VerdictTable, WhatSpeaksAgainstTheBestCandidateMakesItUnexplained) {
   EXPECT_EQ(VerdictOf(holdout).verdict, Verdict::kUnexplained) << "a set that does not gain is none";
 }
 
+// The covariance had passed an effect whose printed interval was [0, 4.4 ms].
+TEST(VerdictTable, AnIntervalThatIncludesNothingNamesNothing) {
+  VerdictEvidence found = Found();
+  found.includes_neutral = true;
+  EXPECT_EQ(VerdictOf(found).verdict, Verdict::kUnexplained);
+  EXPECT_THAT(VerdictOf(found).reason, HasSubstr("includes that there is none of it"));
+  found.alike = 2;
+  EXPECT_EQ(VerdictOf(found).verdict, Verdict::kUnexplained) << "nor does a set";
+}
+
 TEST(VerdictTable, NamesItsRow) {
   EXPECT_EQ(VerdictOf(Found()).rule, "one candidate, noise alone in its residual");
   EXPECT_EQ(VerdictOf({}).rule, "no significant candidate, noise alone in the residual");
