@@ -150,6 +150,25 @@ TEST(RoundValues, AClutchThatMeetsItsLimit) {
   }
 }
 
+/// A clutch that sticks beside a brake that sticks: what one holds depends on what the other holds.
+TEST(RoundValues, AClutchBesideABrakeThatHolds) {
+  const Jumps torque{{0.1, 0.2, 0.3, 0.5}, {5.0, 8.0, 9.0, 0.0}};
+  Plan plan = OneMass(0.5, torque.Source(), 1.0);
+  plan.root["run"]["period_s"] = Value(1e-3);
+  plan.root["plant"]["inertia"]["J"] = Value(0.5);
+  plan.root["plant"]["shaft"]["clutch"] =
+      Value{{"between", Value::Array{"I", "J"}}, {"law", "coulomb"}, {"T_c_Nm", 8.0}};
+  plan.root["plant"]["load"]["brake"] = Value{{"on", "J"}, {"law", "coulomb"}, {"T_c_Nm", 10.0}};
+  plan.root["output"]["w_J"] = Value{{"of", "plant.J.speed"}};
+  const Samples samples = RunPlan(plan, "reference");
+  for (std::size_t k = 0; k < samples.time.size(); ++k) {
+    const double t = samples.time[k];
+    const double slips = 2.0 * std::clamp(t - 0.3, 0.0, 0.2) - 16.0 * std::clamp(t - 0.5, 0.0, 0.025);
+    EXPECT_NEAR(samples.outputs[0][k], slips, 1e-9) << "I at " << t;
+    EXPECT_NEAR(samples.outputs[2][k], 0.0, 1e-12) << "J at " << t;
+  }
+}
+
 /// The membrane of the gas valve under a force that meets its friction, and half as much and twice as much.
 TEST(RoundValues, AValveThatSticksAtItsLimit) {
   for (const double step_Pa : {500.0, 1000.0, 2000.0}) {

@@ -76,19 +76,42 @@ void DriveLine::Torques(const View& view, std::span<double> torque, std::span<El
     torque[spring.from] -= transmitted;
     torque[spring.to] += transmitted;
   }
+  int sticks = 0;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const Element& element = elements_[e];
-    double holding = 0.0;
-    if (element.law->sticks()) {
-      for (const auto& [node, weight] : element.weights) holding += weight * torque[node] / linear_.nodes[node].inertia;
-      holding /= element.mobility;
-    }
-    const LawView law_view = MakeView(view, element, holding);
-    const double transmitted = element.law->Torque(law_view) - element.linear.stiffness * law_view.twist -
-                               element.linear.damping * law_view.rate;
-    for (const auto& [node, weight] : element.weights) torque[node] -= weight * transmitted;
-    elements[e] = {transmitted, holding};
+    elements[e] = {};
+    Transmit(view, e, torque, elements[e]);
+    sticks += elements_[e].law->sticks() ? 1 : 0;
   }
+  // What one stick holds depends on what the others hold: they are asked in turn until none changes, which is Gauss and
+  // Seidel's method for a positive definite matrix, projected onto what each can hold at most.
+  constexpr int kMostRounds = 1000;
+  for (int round = 0; sticks > 1 && round < kMostRounds; ++round) {
+    bool changed = false;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      if (elements_[e].law->sticks()) changed = Transmit(view, e, torque, elements[e]) || changed;
+    }
+    if (!changed) break;
+  }
+}
+
+bool DriveLine::Transmit(const View& view, std::size_t index, std::span<double> torque,
+                         ElementTorque& transmitted) const {
+  constexpr double kRoundOff = 1e-13;
+  const Element& element = elements_[index];
+  double holding = 0.0;
+  if (element.law->sticks()) {
+    for (const auto& [node, weight] : element.weights) holding += weight * torque[node] / linear_.nodes[node].inertia;
+    holding = holding / element.mobility + transmitted.beyond_linear;  // as if it transmitted nothing yet
+  }
+  const LawView law_view = MakeView(view, element, holding);
+  const double now = element.law->Torque(law_view) - element.linear.stiffness * law_view.twist -
+                     element.linear.damping * law_view.rate;
+  transmitted.holding = holding;
+  const double more = now - transmitted.beyond_linear;
+  if (std::abs(more) <= kRoundOff * (std::abs(now) + std::abs(holding))) return false;
+  for (const auto& [node, weight] : element.weights) torque[node] -= weight * more;
+  transmitted.beyond_linear = now;
+  return true;
 }
 
 namespace {

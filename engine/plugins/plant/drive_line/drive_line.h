@@ -137,6 +137,9 @@ class DriveLine : public Component {
     double beyond_linear, holding;
   };
   void Torques(const View& view, std::span<double> torque, std::span<ElementTorque> elements) const;
+  /// Lets one element transmit what its law says beside the torques as they are; whether that is anything else than
+  /// before.
+  bool Transmit(const View& view, std::size_t index, std::span<double> torque, ElementTorque& transmitted) const;
 
   /// A linear edge as the equation of motion needs it: close together in memory.
   struct Spring {
