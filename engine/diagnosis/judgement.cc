@@ -410,7 +410,9 @@ Status Judgement::MeasureGain(const Estimate& best) {
     sum_after += gain.after * gain.after;
     sum_released += std::pow(nominal->at(name).before, 2);
   }
-  evidence_.holdout_gains = sum_after < std::min(sum_before, sum_released);
+  // One that needs values far outside their priors is contradicted, however well it predicts with them.
+  const bool rival = LargestDeviation(problem_, found_.null) <= policy::kWithinPrior;
+  evidence_.holdout_gains = sum_after < (rival ? std::min(sum_before, sum_released) : sum_before);
   Rule();
   result_.journal.push_back(
       {"verdict",

@@ -160,12 +160,14 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
   const double resolution = ResolutionOf(all);
   std::vector<double> every(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) every[i] = all[i] - all.front();
-  // Fast rows under stamps of few digits repeat them: a grid through every row comes before events.
+  // Fast rows under stamps of few digits repeat them: a grid through every row comes before events, where there are so
+  // many rows that a few events could not pass for it.
+  constexpr std::size_t kManyRows = 50;
   const double largest = std::max(std::abs(all.front()), std::abs(all.back()));
   // Half a digit to either side, and a quarter because least squares do not find the narrowest strip.
   const double most = 1.25 * resolution + 8.0 * UlpOf(largest);
   const bool rows_are_instants =
-      every.size() > 2 && every.back() > 0.0 &&
+      every.size() >= kManyRows && every.back() > 0.0 &&
       GridFrom(every, every.back() / static_cast<double>(every.size() - 1), true, most).has_value();
   std::vector<double> t;
   for (std::size_t i = 0; i < all.size(); ++i) {
