@@ -68,8 +68,8 @@ int CheckData(const CheckArguments& arguments) {
   } else if (arguments.scenario.empty()) {
     CheckMap(*record, *map, diagnostics);
   }
-  // What is no number or falls cannot be simulated with: the record's own faults come first. A map may allow for cells
-  // that are missing.
+  // Stamps that fall and columns that are too short cannot be simulated with: the record's own faults come first. A map
+  // may allow for cells that are missing.
   const bool usable = std::none_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
     return f.fault && (f.kind == "not_rising" || f.kind == "short");
   });

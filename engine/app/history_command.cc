@@ -80,7 +80,7 @@ int Add(const HistoryArguments& arguments) {
   history::Night night{arguments.time.empty() ? Now() : arguments.time,
                        arguments.commit.empty() ? *BuildProvenance().Text("commit") : arguments.commit,
                        arguments.machine.empty() ? MachineClass() : arguments.machine};
-  // Who names a time may add to that night; who does not begins one, even within the second of the last.
+  // A call that names a time may add to that night; one that names none begins a night, even within a second of the last.
   if (arguments.time.empty()) {
     const Result<history::Night> added = store->AddNight(night, readings);
     if (!added.ok()) return Fail(added.failure());

@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "scenario/load.h"
 #include "trace/time_base.h"
 
 namespace dynoproof::app {
@@ -19,17 +20,8 @@ bool IsQuantity(const std::string& unit, const std::string& like) {
   return a && b && SameQuantity(*a, *b);
 }
 
-/// A basic string of TOML; names come from strangers.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20)
-      quoted += fmt::format("\\u{:04X}", static_cast<int>(c));
-    else
-      quoted += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-  }
-  return quoted + "\"";
-}
+/// KEY = "TEXT", whatever stands in the text: names come from strangers.
+std::string Line(const char* key, const std::string& text) { return ToToml(Value{{key, Value(text)}}); }
 
 std::string Plain(const std::string& name) {
   std::string plain;
@@ -77,17 +69,16 @@ class Proposal {
     if (record_.time) {
       const trace::Column& time = record_.columns[*record_.time];
       if (!time.unit.empty()) return "";
-      return fmt::format("# unsure: no unit stands at {}; seconds are taken\ntime = {{ column = {}, unit = \"s\" }}\n",
-                         time.name, Quoted(time.name));
+      return fmt::format("# unsure: no unit stands at {}; seconds are taken\n", time.name) + Line("time", time.name) +
+             Line("time_unit", "s");
     }
-    if (times_.empty())
-      return "# unsure: no column rises as time does; samples per second:\ntime = { rate_hz = 1000 }\n";
+    if (times_.empty()) return "# unsure: no column rises as time does; samples per second:\nrate_hz = 1000\n";
     const trace::Column& time = record_.columns[times_.front()];
     std::string others;
     for (std::size_t k = 1; k < times_.size(); ++k)
       others += (k > 1 ? ", " : "; or: ") + record_.columns[times_[k]].name;
-    return fmt::format("# unsure: it rises{}\ntime = {{ column = {}, unit = {} }}\n", others, Quoted(time.name),
-                       Quoted(time.unit.empty() ? "s" : time.unit));
+    return fmt::format("# unsure: it rises{}\n", others) + Line("time", time.name) +
+           Line("time_unit", time.unit.empty() ? "s" : time.unit);
   }
 
   std::string Channel(const char* section, const SignalName& signal) {
@@ -115,14 +106,12 @@ class Proposal {
                          signal.name);
     taken_.push_back(*named);
     const trace::Column& column = record_.columns[*named];
-    std::string text = fmt::format("\n{}[{}.{}]\ncolumn = {}\n", unsure, section, signal.name, Quoted(column.name));
-    if (column.unit.empty())
-      text += fmt::format("unit = {}  # unsure: the file does not say it\n", Quoted(signal.unit));
+    std::string text = fmt::format("\n{}[{}.{}]\n", unsure, section, signal.name) + Line("column", column.name);
+    if (column.unit.empty()) text += "# unsure: the file does not say the unit\n" + Line("unit", signal.unit);
     if (std::string_view(section) == "input")
       text +=
           "# between = \"held\"     # or linear, band_limited, band_limited_held: what it does between its samples; "
-          "else the outputs "
-          "decide\n";
+          "else the outputs decide\n";
     return text;
   }
 

@@ -13,31 +13,17 @@
 
 namespace dynoproof::app {
 
-namespace {
-
-/// "omega_1 0.772 rad/s and not 0".
-std::string FirstSamples(const identification::EstimationProblem& problem) {
-  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(problem.plan());
-  std::string text;
-  for (const identification::Channel& c : problem.channels())
-    text += fmt::format("{}{} at {:.4g} {}{}", text.empty() ? "" : ", ", c.name, problem.measured()[c.begin], c.unit,
-                        predicted.ok() ? fmt::format(" and not {:.4g}", (*predicted)[c.begin]) : "");
-  return text;
-}
-
-}  // namespace
-
 bool BringIn(const Plan& plan, const Registry& registry, MappedRecord& record, Diagnostics& diagnostics) {
   if (const std::string foreign = ForeignTimeScale(record, plan); !foreign.empty()) {
     diagnostics.Error({record.file}, foreign, "say it in a map file: time = { column = \"t\", unit = \"ms\" }");
     return false;
   }
   record = OntoClock(std::move(record), plan);
-  const identification::EstimationProblem problem(plan, {record}, registry);
-  if (!record.outputs.empty() && !problem.records().front().outputs.empty() && !PredictionWindow(plan) &&
-      identification::BeginsInMotion(problem)) {
-    record.in_motion = true;
-    record.notes.push_back("the record begins in motion, the scenario does not: " + FirstSamples(problem));
+  // Windows start from states of their own, which would be estimated here for nothing.
+  if (!record.outputs.empty() && !PredictionWindow(plan)) {
+    const std::string motion = identification::MotionAtStart({plan, {record}, registry});
+    record.in_motion = !motion.empty();
+    if (record.in_motion) record.notes.push_back("the record begins in motion, the scenario does not: " + motion);
   }
   identification::ChooseBetween(plan, registry, record);
   return true;

@@ -45,8 +45,8 @@ std::string InPlainSigns(std::string_view text) {
   return plain;
 }
 
-/// Reads factors, products, quotients and brackets from the left. Whoever writes "a/b/c" or "a/b c" may mean two things:
-/// both are refused.
+/// Reads factors, products, quotients and brackets from the left. "a/b/c" and "a/b c" have two readings each: they are
+/// refused.
 class Parser {
  public:
   explicit Parser(std::string_view text) : rest_(text) {}

@@ -326,7 +326,7 @@ void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
   if (file.ok()) result_.experiment_scenario = *file;
 }
 
-/// What is printed decides, too: it may reach farther than the covariance, which was asked before.
+/// The printed interval decides as well: it may reach farther than the one of the covariance, which was asked before.
 void Judgement::AskIntervals(const Estimate& best) {
   for (std::size_t e = 0; e < result_.effects.size(); ++e) {
     bool strength = false, away = false;

@@ -1,4 +1,4 @@
-// What the values of one column say about its sensor: a converter at its end, a code in place of a value, a value that
+// Faults of a sensor that the values of one column show: a converter at its end, a code in place of a value, a value that
 // stands still.
 #pragma once
 

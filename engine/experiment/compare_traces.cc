@@ -20,12 +20,12 @@ namespace dynoproof {
 namespace {
 
 constexpr std::size_t kNeighbours = 64;
-/// Of the range of the neighbours. On the shipped golden traces, some of them thinned below twice their highest
-/// frequency, the runs leave the range by at most 0.61 of it.
+/// How far a run may leave the range of the neighbouring stamps, as a share of that range. On the shipped golden traces,
+/// some of them thinned below twice their highest frequency, the runs leave the range by at most 0.61 of it.
 constexpr double kRoom = 1.0;
 /// Ends that differ by less than this many steps are the same: one program counts the last sample, another does not.
 constexpr double kEndSlack = 1.5;
-/// Of a step: stamps that differ by less are the same but for the round-off of summed steps.
+/// Share of a step by which two stamps may differ and be the same: the round-off of summed steps.
 constexpr double kStampSlack = 1e-6;
 /// Of what a signal's second differences let the line between its samples be off. Where they are resolved (eight
 /// samples a period and more) that is right to a tenth, on the shipped traces to two fifths.

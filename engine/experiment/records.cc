@@ -76,9 +76,7 @@ class Mapper {
       for (const SignalName& signal : signals) {
         ChannelMap channel;
         channel.name = channel.column = signal.name;
-        const bool left_out = std::any_of(record_.left_out.begin(), record_.left_out.end(),
-                                          [&](const auto& variable) { return variable.first == signal.name; });
-        if (left_out || record_.Find(signal.name)) TakeOne(channel, input, signal);
+        if (record_.Find(signal.name) || WhyLeftOut(signal.name) != nullptr) TakeOne(channel, input, signal);
       }
       return;
     }
@@ -99,14 +97,18 @@ class Mapper {
     }
   }
 
+  /// Null where the reader has not left out a variable of this name.
+  const std::string* WhyLeftOut(const std::string& name) const {
+    const auto found = std::find_if(record_.left_out.begin(), record_.left_out.end(),
+                                    [&](const auto& variable) { return variable.first == name; });
+    return found != record_.left_out.end() ? &found->second : nullptr;
+  }
+
   /// The column of this name; a diagnostic where there is none.
   const trace::Column* ColumnOf(const std::string& name, const SourceSpan& where) {
     if (const std::optional<std::size_t> index = record_.Find(name)) return &record_.columns[*index];
-    const auto left_out = std::find_if(record_.left_out.begin(), record_.left_out.end(),
-                                       [&](const auto& variable) { return variable.first == name; });
-    if (left_out != record_.left_out.end()) {
-      diagnostics_.Error(where, fmt::format("{}: \"{}\" is no column of numbers", record_.source, name),
-                         fmt::format("it {}", left_out->second));
+    if (const std::string* why = WhyLeftOut(name)) {
+      diagnostics_.Error(where, fmt::format("{}: \"{}\" is no column of numbers", record_.source, name), "it " + *why);
       return nullptr;
     }
     const std::vector<std::string> names = record_.Names();
@@ -152,7 +154,7 @@ class Mapper {
           "time may not fall from row to row; rows at one instant are an event");
       return;
     }
-    Raw raw{channel.name, input, trace::TimeBaseOf(*stamps, unit_s), {}};
+    Raw raw{channel.name, input, BaseOf(*std::move(stamps), unit_s), {}};
     raw.base.start_s += clock_start_s_;
     // A sample of an output is what was measured before the event, a command holds from it on.
     for (std::size_t i = 0; i < raw.base.time_s.size(); ++i)
@@ -160,6 +162,15 @@ class Mapper {
     if (input && raw.base.events > 0) before_event_[channel.name] = BeforeEvents(raw.base, values, *to_si);
     if (!channel.between.empty()) result_.between[channel.name] = channel.between;
     raw_.push_back(std::move(raw));
+  }
+
+  /// What the stamps say; most channels share those of the one before.
+  const trace::TimeBase& BaseOf(std::vector<double> stamps, double unit_s) {
+    if (stamps != last_stamps_ || unit_s != last_unit_s_) {
+      last_base_ = trace::TimeBaseOf(stamps, unit_s);
+      last_stamps_ = std::move(stamps), last_unit_s_ = unit_s;
+    }
+    return last_base_;
   }
 
   /// Factor and offset that make SI of a column's numbers; none, with a diagnostic, for a unit of another quantity.
@@ -210,7 +221,6 @@ class Mapper {
     } else if (column.time) {
       time = &record_.columns[*column.time];
     } else {
-      const std::vector<std::string> names = record_.Names();
       if (!time_fault_)
         diagnostics_.Error(
             {record_.source},
@@ -363,6 +373,9 @@ class Mapper {
   MappedRecord result_;
   std::vector<Raw> raw_;
   std::map<std::string, std::map<double, double>> before_event_;
+  std::vector<double> last_stamps_;
+  double last_unit_s_ = 0.0;
+  trace::TimeBase last_base_;
   double clock_start_s_ = 0.0;
   bool time_fault_ = false;
 };

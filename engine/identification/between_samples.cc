@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "experiment/prediction_windows.h"
 #include "identification/estimation_problem.h"
-#include "identification/start.h"
+#include "identification/objective.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -49,17 +48,9 @@ std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registr
   if (UnstatedInputs(plan, record).empty() || record.outputs.empty() || PredictionWindow(plan)) return fits;
   for (const std::string& between : PossibleBetween(plan, record)) {
     const EstimationProblem problem(plan, {WithBetween(record, plan, between)}, registry);
-    const Result<Plan> start = FitStarts(problem, problem.plan());
-    const Result<Eigen::VectorXd> predicted = start.ok() ? problem.PredictPlan(*start) : start.failure();
-    if (!predicted.ok()) return {};
-    double sum = 0.0, channels = 0.0;
-    for (const Channel& c : problem.channels()) {
-      if (!(c.spread > 1e-12 * c.nominal)) continue;
-      const auto error = (problem.measured() - *predicted).segment(c.begin, c.count);
-      sum += error.squaredNorm() / static_cast<double>(c.count) / (c.spread * c.spread), channels += 1.0;
-    }
-    if (channels == 0.0) return {};
-    fits.push_back({between, std::sqrt(sum / channels)});
+    const Result<double> nrmse = NrmseOf(*FreeRunObjective(problem), problem.plan());
+    if (!nrmse.ok()) return {};
+    fits.push_back({between, *nrmse});
   }
   return fits;
 }
@@ -86,8 +77,7 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
     distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
   record.notes.push_back(
       fmt::format("between their samples the inputs are taken as {}, which nobody says: the outputs are off the "
-                  "simulation by (NRMSE) "
-                  "{}{}; state it in a map: between = \"{}\"",
+                  "simulation by (NRMSE) {}{}; state it in a map: between = \"{}\"",
                   taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
 }
 

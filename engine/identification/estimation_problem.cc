@@ -35,15 +35,16 @@ Series Cut(const Series& series, double end_s) {
 }
 
 /// A plan driven by a record.
-Result<std::unique_ptr<Prepared>> Drive(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+Result<std::unique_ptr<Prepared>> Drive(Plan plan, const MappedRecord& record, const Registry& registry) {
   PrepareOptions options;
   options.solver = "realtime";
   options.data = &record;
   Diagnostics diagnostics;
-  std::unique_ptr<Prepared> prepared = Prepare(plan, options, registry, diagnostics);
+  const std::string id = plan.id;
+  std::unique_ptr<Prepared> prepared = Prepare(std::move(plan), options, registry, diagnostics);
   if (prepared != nullptr) return prepared;
   return Failure{
-      diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message, plan.id, {}, 2};
+      diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message, id, {}, 2};
 }
 
 /// The plan as it starts into one record: with what it holds for that one alone.

@@ -127,12 +127,6 @@ Result<std::unique_ptr<Objective>> MisfitOf(const EstimationProblem& problem, Id
   return ResponseObjective(problem, *response);
 }
 
-Result<double> NrmseOf(const Objective& free_run, const Plan& plan) {
-  const Result<Eigen::VectorXd> error = free_run.Of(plan);
-  if (!error.ok()) return error.failure();
-  return std::sqrt(error->squaredNorm() / static_cast<double>(error->size()));
-}
-
 /// Why a fit is worth nothing.
 std::vector<std::string> DoubtsOf(const Identified& result) {
   constexpr double kWorse = 1.01, kNothing = 0.9;  // what leaves four fifths of the squares accounts for nothing

@@ -125,6 +125,12 @@ class Spectrum : public Objective {
 std::unique_ptr<Objective> FreeRunObjective(const EstimationProblem& problem) {
   return std::make_unique<FreeRun>(problem);
 }
+Result<double> NrmseOf(const Objective& free_run, const Plan& plan) {
+  const Result<Eigen::VectorXd> error = free_run.Of(plan);
+  if (!error.ok()) return error.failure();
+  return std::sqrt(error->squaredNorm() / static_cast<double>(error->size()));
+}
+
 std::unique_ptr<Objective> SpectrumObjective(const EstimationProblem& problem) {
   return std::make_unique<Spectrum>(problem);
 }

@@ -26,6 +26,9 @@ class Objective {
 /// from the start that fits it best, whatever the plan. `study` has to outlive it.
 std::unique_ptr<Objective> FreeRunObjective(const EstimationProblem& problem);
 
+/// Root mean square of that error: NRMSE over all outputs. Fails where a run breaks.
+Result<double> NrmseOf(const Objective& free_run, const Plan& plan);
+
 /// The logarithm of measured over simulated amplitude in bands of +-10 %, by channel: every resonance weighs as much as
 /// the largest, and one that is a little off is still seen, where a free run has lost its phase. Where noise is all
 /// there is nothing is asked: its power is added to the simulated one. `study` has to outlive it.

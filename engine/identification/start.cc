@@ -29,18 +29,23 @@ double Read(const Plan& plan, std::size_t record, const std::string& path) {
 
 }  // namespace
 
-bool BeginsInMotion(const EstimationProblem& problem, std::size_t record) {
+std::string MotionAtStart(const EstimationProblem& problem) {
   // A model that is a little off has hardly gone astray after three samples; what noise makes of them is known.
   constexpr Eigen::Index kFirst = 3;
   constexpr double kShare = 0.01, kSigmas = 6.0;  // of the spread; of the noise
   const Result<Eigen::VectorXd> predicted = problem.PredictPlan(problem.plan());
-  if (!predicted.ok()) return false;
-  return std::any_of(problem.channels().begin(), problem.channels().end(), [&](const Channel& c) {
-    if (c.record != record || c.count < kFirst) return false;
+  if (!predicted.ok()) return "";
+  std::string text;
+  bool moves = false;
+  for (const Channel& c : problem.channels()) {
+    if (c.record != 0 || c.count < kFirst) continue;
     const auto rows = problem.measured().segment(c.begin, c.count);
     const double most = std::max(kShare * c.spread, kSigmas * HighFrequencyFloor(rows));
-    return (rows - predicted->segment(c.begin, c.count)).head(kFirst).cwiseAbs().minCoeff() > most;
-  });
+    moves = moves || (rows - predicted->segment(c.begin, c.count)).head(kFirst).cwiseAbs().minCoeff() > most;
+    text += fmt::format("{}{} at {:.4g} {} and not {:.4g}", text.empty() ? "" : ", ", c.name, rows[0], c.unit,
+                        (*predicted)[c.begin]);
+  }
+  return moves ? text : "";
 }
 
 Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {

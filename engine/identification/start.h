@@ -2,13 +2,16 @@
 // Each record has its own, in the numbers that the plant declares for it (PlantTraits::nuisances, `initial`).
 #pragma once
 
+#include <string>
+
 #include "base/status.h"
 #include "identification/estimation_problem.h"
 
 namespace dynoproof::identification {
 
-/// Whether a record of the problem begins otherwise than its plan does: by its first samples.
-bool BeginsInMotion(const EstimationProblem& problem, std::size_t record = 0);
+/// "omega_1 at 0.772 rad/s and not 0, ..." where the first record of the problem begins otherwise than its plan does, by
+/// its first samples; else empty, also where a run breaks.
+std::string MotionAtStart(const EstimationProblem& problem);
 
 /// The plan with the start of each record that is `in_motion` (StartOfRecord()) by least squares, all else as it is. For
 /// a linear plant this is the optimum, else one step towards it. Fails where a run breaks.

@@ -167,8 +167,9 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
   // Half a digit to either side, and a quarter because least squares do not find the narrowest strip.
   const double most = 1.25 * resolution + 8.0 * UlpOf(largest);
   const bool rows_are_instants =
-      every.size() >= kManyRows && every.back() > 0.0 &&
-      GridFrom(every, every.back() / static_cast<double>(every.size() - 1), true, most).has_value();
+      std::adjacent_find(all.begin(), all.end()) == all.end() ||
+      (every.size() >= kManyRows && every.back() > 0.0 &&
+       GridFrom(every, every.back() / static_cast<double>(every.size() - 1), true, most).has_value());
   std::vector<double> t;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i > 0 && all[i] == all[i - 1] && !rows_are_instants) {
@@ -182,6 +183,13 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
   base.start_s = all.front() * unit_s;
   base.resolution_s = resolution * unit_s;
   base.time_s.resize(t.size());
+  const auto gap = [&base](std::size_t behind, double missing_s) {
+    ++base.gaps;
+    if (missing_s <= base.longest_gap_s) return;
+    base.longest_gap_s = missing_s;
+    base.longest_gap_at_s = base.time_s[behind - 1];
+    base.longest_gap_row = base.first_row[behind];
+  };
   if (const std::optional<Grid> grid = UniformGrid(t, resolution, most, largest, unit_s)) {
     base.step_s = base.usual_step_s = grid->step * unit_s;
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -189,11 +197,7 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
       const double missing = i > 0 ? grid->index[i] - grid->index[i - 1] - 1.0 : 0.0;
       if (missing < 1.0) continue;
       base.dropped += static_cast<std::size_t>(missing);
-      ++base.gaps;
-      if (missing * base.step_s <= base.longest_gap_s) continue;
-      base.longest_gap_s = missing * base.step_s;
-      base.longest_gap_at_s = base.time_s[i - 1];
-      base.longest_gap_row = base.first_row[i];
+      gap(i, missing * base.step_s);
     }
     return base;
   }
@@ -207,12 +211,7 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
     const double step = base.time_s[i] - base.time_s[i - 1];
     const double off = step - std::max(1.0, std::round(step / base.usual_step_s)) * base.usual_step_s;
     base.jitter_s = std::max(base.jitter_s, std::abs(off));
-    if (step < 1.5 * base.usual_step_s) continue;
-    ++base.gaps;
-    if (step - base.usual_step_s <= base.longest_gap_s) continue;
-    base.longest_gap_s = step - base.usual_step_s;
-    base.longest_gap_at_s = base.time_s[i - 1];
-    base.longest_gap_row = base.first_row[i];
+    if (step >= 1.5 * base.usual_step_s) gap(i, step - base.usual_step_s);
   }
   return base;
 }

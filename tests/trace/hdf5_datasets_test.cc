@@ -14,16 +14,13 @@ namespace dynoproof::trace {
 namespace {
 
 using test::Hdf5File;
+using test::Values;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
 class OtherLayout : public ::testing::Test {
  protected:
-  std::vector<double> Values(const Record& record, const char* name) const {
-    const auto column = record.Find(name);
-    return column ? record.columns[*column].values : std::vector<double>{-999};
-  }
   test::TempDir dir_;
   std::filesystem::path file_ = dir_ / "log.h5";
 };

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "trace/record.h"
+
 namespace dynoproof::test {
 
 /// How a dataset is stored.
@@ -86,5 +88,11 @@ class Hdf5File {
 
   hid_t file_;
 };
+
+/// The values of a column; { -999 } where there is none.
+inline std::vector<double> Values(const trace::Record& record, const char* name) {
+  const auto column = record.Find(name);
+  return column ? record.columns[*column].values : std::vector<double>{-999};
+}
 
 }  // namespace dynoproof::test

@@ -16,6 +16,7 @@ namespace dynoproof::trace {
 namespace {
 
 using test::Hdf5File;
+using test::Values;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -30,10 +31,6 @@ class Mat73 : public ::testing::Test {
     file << std::string("\x00\x02IM", 4);
     file.close();
     return ReadMat(file_);
-  }
-  std::vector<double> Values(const Record& record, const char* name) const {
-    const auto column = record.Find(name);
-    return column ? record.columns[*column].values : std::vector<double>{-999};
   }
   test::TempDir dir_;
   std::filesystem::path file_ = dir_ / "record.mat";
