@@ -7,6 +7,7 @@
 #include "app/app.h"
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
+#include "diagnosis/prediction_horizon.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
@@ -75,6 +76,7 @@ int CheckData(const CheckArguments& arguments) {
   });
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
   bool compared = false;
+  std::optional<diagnosis::PredictionHorizon> horizon;
   if (!arguments.scenario.empty() && usable) {
     const std::vector<std::string> maps =
         arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
@@ -100,6 +102,17 @@ int CheckData(const CheckArguments& arguments) {
         findings.insert(findings.end(), against->begin(), against->end());
       }
       compared = !measured->data.front().outputs.empty();
+      if (compared) {
+        Result<std::optional<diagnosis::PredictionHorizon>> ahead =
+            diagnosis::PredictionHorizonOf(measured->plan, measured->data.front(), *registry);
+        if (!ahead.ok()) {
+          Complain(ahead.failure().ToString() + "\n");
+          return ahead.failure().exit_code;
+        }
+        horizon = *std::move(ahead);
+        if (!horizon)
+          Note("how far ahead the scenario predicts is not told: no output moves, or the model has too many states\n");
+      }
     }
   }
   if (Report(diagnostics) != kGood) return kUsage;
@@ -118,6 +131,7 @@ int CheckData(const CheckArguments& arguments) {
                     {"at_s", finding.at_s},
                     {"nrmse", finding.nrmse ? nlohmann::json(*finding.nrmse) : nlohmann::json()}});
   }
+  if (horizon) text += horizon->ToText() + "\n";
   text += fmt::format("{}: {} columns, {} faults, {} notes{}\n", arguments.data, record->columns.size(), faults,
                       findings.size() - static_cast<std::size_t>(faults),
                       arguments.scenario.empty() ? ""
@@ -125,7 +139,18 @@ int CheckData(const CheckArguments& arguments) {
                                                  : ", nothing compared");
   Print(arguments.common, text);
   const int exit = faults > 0 ? kUsage : !arguments.scenario.empty() && !compared ? kUndecided : kGood;
-  KeepJson({{"findings", std::move(list)}});
+  nlohmann::json json = {{"findings", std::move(list)}};
+  if (horizon) {
+    json["horizon_s"] = horizon->horizon_s;
+    json["noise"] = horizon->noise;
+    json["levels"] = nlohmann::json::array();
+    for (const diagnosis::PredictionLevel& level : horizon->levels)
+      json["levels"].push_back({{"window_s", level.window_s ? nlohmann::json(*level.window_s) : nlohmann::json()},
+                                {"nrmse", level.nrmse},
+                                {"nrmse_by_noise", level.by_noise},
+                                {"at_noise", level.at_noise}});
+  }
+  KeepJson(std::move(json));
   return exit;
 }
 
@@ -142,7 +167,9 @@ void AddCheckData(CLI::App& program, int& exit) {
   AddExamples(*command,
               "  dynoproof check-data record.csv\n"
               "  dynoproof check-data record.csv --map map.toml --scenario diagnose/r2r_soft\n"
-              "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE).");
+              "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE), and how "
+              "far ahead the\n"
+              "scenario predicts it: in windows that begin from what the record before them tells, and in a free run.");
   command->callback([arguments, &exit] { exit = CheckData(*arguments); });
 }
 

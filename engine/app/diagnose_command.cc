@@ -22,6 +22,8 @@ struct DiagnoseArguments {
   Common common;
   std::string scenario, out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
+  double most_simulations = diagnosis::DiagnoseOptions().most_simulations;
+  double most_cpu_s = 0.0;
   bool strict = false, resume = false, explain = false;
 };
 
@@ -66,6 +68,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
   options.scenario_file = measured->file;
   options.overrides = arguments.overrides;
   options.resume = arguments.resume;
+  options.most_simulations = arguments.most_simulations;
+  if (arguments.most_cpu_s > 0.0) options.most_cpu_s = arguments.most_cpu_s;
   std::mutex screen;
   options.progress = [&screen](const std::string& what, double fraction) {
     const std::lock_guard<std::mutex> lock(screen);
@@ -122,6 +126,15 @@ void AddDiagnose(CLI::App& program, int& exit) {
   command->add_option("--html", arguments->html, "write a page that shows all of it");
   command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
   command->add_flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
+  command
+      ->add_option("--most-simulations", arguments->most_simulations,
+                   "simulations of all the data after which the search ends with the best it has (default 20000)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--most-cpu", arguments->most_cpu_s,
+          "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
+      ->check(CLI::PositiveNumber);
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
   AddExamples(
@@ -130,6 +143,7 @@ void AddDiagnose(CLI::App& program, int& exit) {
       "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
       "  dynoproof diagnose my_line.toml --data record.csv --explain\n"
       "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -\n"
+      "  dynoproof diagnose my_line.toml --data record.csv --most-cpu 60\n"
       "Interrupted (Ctrl-C) it ends with 4; --resume goes on.\n");
   command->callback([arguments, &exit] { exit = Diagnose(*arguments); });
 }

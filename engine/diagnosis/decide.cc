@@ -123,4 +123,9 @@ std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double 
   return set;
 }
 
+bool GainsOnHoldout(const HoldoutErrors& errors, double deviation) {
+  const bool rival = deviation <= policy::kWithinPrior;
+  return errors.after < (rival ? std::min(errors.before, errors.released) : errors.before);
+}
+
 }  // namespace dynoproof::diagnosis

@@ -38,4 +38,14 @@ bool LeavesTheSignal(const EstimationProblem& problem, const Estimate& null, con
 /// (fits[0], best criterion first).
 std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double threshold);
 
+/// NRMSE on data that took no part in the choice, RMS over the signals: of the scenario as written, of the nominal model
+/// with the values that were fitted to it alone, and of the model with the effect and the values fitted beside it.
+struct HoldoutErrors {
+  double before = 0.0, released = 0.0, after = 0.0;
+};
+/// Whether the effect gains there: on both nominal models, since otherwise it may be the fitted values that have gained.
+/// One that needs values beyond their priors is contradicted, however well it predicts. `deviation`: the largest among
+/// its fitted values [spreads of the prior].
+bool GainsOnHoldout(const HoldoutErrors& errors, double deviation);
+
 }  // namespace dynoproof::diagnosis

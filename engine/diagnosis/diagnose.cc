@@ -27,12 +27,11 @@ struct Task {
   const std::vector<MappedRecord>& holdout;
   const Registry& registry;
   const DiagnoseOptions& options;
-  std::shared_ptr<mechanics::Decompositions> known =
-      std::make_shared<mechanics::Decompositions>();  // of all its studies
+  identification::SearchContext context;  // of all its problems
 
   double training() const { return holdout.empty() ? kTrainingShare : 1.0; }
   EstimationProblem Part(const Plan& of, double until) const {
-    return EstimationProblem(of, data, registry, training() * until, known);
+    return EstimationProblem(of, data, registry, training() * until, context);
   }
   Judgement Of(const EstimationProblem& problem, double until) const {
     return Judgement(problem, training() * until, until, data, given, holdout, options);
@@ -72,10 +71,10 @@ std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
   said.progress = [&](const std::string& what, double done) {
     task.options.progress("the beginning: " + what, kOpening * done);
   };
-  const Task beginning{task.plan, task.data, task.given, task.holdout, task.registry, said, task.known};
+  const Task beginning{task.plan, task.data, task.given, task.holdout, task.registry, said, task.context};
   std::vector<Hypothesis> causes;
   double from = 0.0;
-  for (double share = FirstShare(problem.records()); share < 1.0; share *= kLonger) {
+  for (double share = FirstShare(problem.records()); share < 1.0 && !problem.spent(); share *= kLonger) {
     const EstimationProblem part = task.Part(free, share);
     Judgement opening = beginning.Of(part, share);
     if (opening.Decide("diagnose_state_opening.json") || opening.LeavesStructure()) break;
@@ -111,14 +110,18 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& gi
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
   const std::vector<MappedRecord> data = AtResolution(given);
-  const Task task{plan, data, given, holdout, registry, options};
+  double record_s = 0.0;
+  for (const MappedRecord& record : data) record_s += record.end_s;
+  const auto allowance =
+      std::make_shared<identification::Allowance>(record_s, options.most_simulations, options.most_cpu_s);
+  const Task task{plan, data, given, holdout, registry, options, {.allowance = allowance}};
   if (PredictionWindow(plan)) {
     if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
   }
   const EstimationProblem problem = task.Part(plan, 1.0);
   Judgement whole = task.Of(problem, 1.0);
   if (Status failed = whole.Decide("diagnose_state.json")) return *failed;
-  if (!whole.LeavesStructure()) return whole.Report();
+  if (!whole.LeavesStructure() || problem.spent()) return whole.Report();
   const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
   if (const std::optional<Followed> followed = FollowPlay(problem, progress)) {
     if (std::optional<Result<Diagnosis>> beginning = DiagnoseFollowed(task, problem, *followed))

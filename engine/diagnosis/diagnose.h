@@ -59,9 +59,10 @@ struct Diagnosis {
   std::vector<Considered> considered;
   std::vector<Refitted> refitted;
   std::vector<std::string> notes;
-  std::string reason;  // one sentence: why this verdict
-  Journal journal;     // what was compared to decide it
-  int simulations = 0;
+  std::string reason;           // one sentence: why this verdict
+  Journal journal;              // what was compared to decide it
+  double simulations = 0.0;     // of all the data; parts count by their share
+  bool search_complete = true;  // false: it ended where its budget did
 };
 
 struct DiagnoseOptions {
@@ -69,6 +70,8 @@ struct DiagnoseOptions {
   std::string scenario_file;                // what extended.toml includes
   std::vector<std::string> overrides = {};  // --set: KEY=VALUE that the plan has beyond that file
   bool resume = false;
+  /// The search ends there with the best it has; the CPU time is that of the process, and unlimited where it is not stated.
+  double most_simulations = 20000.0, most_cpu_s = identification::Allowance::kUnlimited;
   std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
 };
 

@@ -30,7 +30,7 @@ std::vector<Hypothesis> Gaps(const EstimationProblem& first, double torque_Nm) {
     const Value* stiffness = first.plan().root.FindPath("plant.shaft." + place.name + ".stiffness_Nm_per_rad");
     if (stiffness == nullptr || !stiffness->is_number() || !(stiffness->number() > 0.0)) continue;
     const double twist_rad = torque_Nm / stiffness->number();
-    for (double gap = kSmallest; gap < kLargest; gap *= kGridStep) {
+    for (double gap = kSmallest; gap < kLargest && !first.spent(); gap *= kGridStep) {
       Hypothesis hypothesis = first.Nominal();
       hypothesis.effects = {{play, place, {gap * twist_rad}}};
       if (std::optional<Follower> one = Fitted(first, hypothesis, 4)) fitted.push_back(*std::move(one));

@@ -211,6 +211,7 @@ std::optional<Followed> Follow(const EstimationProblem& problem, double first, s
   double stride = kStride, share = first;
   double over = std::numeric_limits<double>::infinity();  // of the leader
   while (!starts.empty()) {
+    if (problem.spent()) return std::nullopt;
     progress(std::log(share / first) / std::log(1.0 / first));
     const EstimationProblem here = problem.Part(share);
     std::vector<Follower> followers;

@@ -70,7 +70,6 @@ Status Judgement::Decide(const char* saved, const std::vector<Hypothesis>& suspe
   if (!found.ok()) return found.failure();
   found_ = *std::move(found);
   result_.considered = std::move(found_.considered);
-  result_.simulations = found_.simulations;
   result_.journal.clear();
   Judge();
   return {};
@@ -84,7 +83,16 @@ std::vector<Hypothesis> Judgement::Causes() const {
 }
 
 Result<Diagnosis> Judgement::Report() {
+  const bool complete = !problem_.spent();  // the hold-out alone may still cost what is left
   if (Status failed = Conclude()) return *failed;
+  const identification::Allowance& allowance = *problem_.context().allowance;
+  result_.simulations = allowance.simulations();
+  result_.search_complete = complete;
+  if (!complete)
+    Note(fmt::format(
+        "the search has spent its budget, {:.0f} simulations of the data and {:.3g} s of CPU time: this is the "
+        "best that it has tried; --most-simulations and --most-cpu let it go on",
+        std::ceil(allowance.simulations()), allowance.cpu_s()));
   options_.progress("done", 1.0);
   return std::move(result_);
 }
@@ -106,7 +114,6 @@ void Judgement::Judge() {
   for (Estimate& fit : fits) {
     estimator.Score(fit);
     estimator.Derive(fit);
-    result_.simulations += fit.parameters() + 1;
     const std::vector<double> blocks = CrossValidate(problem_, estimator, fit);
     const Standing s = Compare(problem_, null, null_blocks, fit, blocks, rows, found_.candidates.size());
     Considered& considered = result_.considered.emplace_back(ConsideredOf(fit));
@@ -286,9 +293,8 @@ void Judgement::ReportEffects(const std::vector<Estimate>& fits) {
   const Eigen::VectorXd bias = SolverBias(problem_, best);
   options_.progress("how far the numbers reach", 0.96);
   // Of the part of a cause that was found no more than its fit says: the rest would move it anyway.
-  const std::vector<Reach> reach = result_.verdict == Verdict::kUnexplained
-                                       ? ByCovariance(best)
-                                       : ProfileIntervalOf(problem_, best, result_.simulations);
+  const std::vector<Reach> reach =
+      result_.verdict == Verdict::kUnexplained ? ByCovariance(best) : ProfileIntervalOf(problem_, best);
   double evidence = 0.0;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     // Who stands beside the best one stands for its validation, where the evidence has come from numbers to spare.
@@ -376,12 +382,12 @@ Status Judgement::MeasureGain(const Estimate& best) {
   for (std::size_t i = 0; i < start.z.size(); ++i) {
     if (problem_.nuisances()[i].start) start.z[i] = best.hypothesis.z[i];
   }
-  const EstimationProblem trained(problem_.plan(), given_, problem_.registry(), training_, problem_.decompositions());
+  const EstimationProblem trained(problem_.plan(), given_, problem_.registry(), training_, problem_.context());
   const auto train = MeasureGains(trained, problem_.PlanOf(start), problem_.PlanOf(best.hypothesis));
   if (!train.ok()) return train.failure();
   result_.train = *train;
   const EstimationProblem full(problem_.plan(), result_.own_holdout ? holdout_ : given_, problem_.registry(),
-                               result_.counted, problem_.decompositions());
+                               result_.counted, problem_.context());
   Hypothesis chosen = best.hypothesis;
   if (result_.own_holdout) {
     for (std::size_t i = 0; i < chosen.z.size(); ++i) {
@@ -391,9 +397,7 @@ Status Judgement::MeasureGain(const Estimate& best) {
   const auto holdout =
       MeasureGains(full, full.PlanOf(start), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
   if (!holdout.ok()) return holdout.failure();
-  result_.simulations += 4;
   result_.holdout = *holdout;
-  // An effect has to gain on the nominal model with the values that were fitted to that alone, too: else they have gained.
   Hypothesis released = found_.null.hypothesis;
   if (result_.own_holdout) {
     for (std::size_t i = 0; i < released.z.size(); ++i) {
@@ -403,16 +407,14 @@ Status Judgement::MeasureGain(const Estimate& best) {
   const auto nominal =
       MeasureGains(full, full.PlanOf(released), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
   if (!nominal.ok()) return nominal.failure();
-  result_.simulations += 2;
   double sum_before = 0.0, sum_after = 0.0, sum_released = 0.0;
   for (const auto& [name, gain] : result_.holdout) {
     sum_before += gain.before * gain.before;
     sum_after += gain.after * gain.after;
     sum_released += std::pow(nominal->at(name).before, 2);
   }
-  // One that needs values far outside their priors is contradicted, however well it predicts with them.
-  const bool rival = LargestDeviation(problem_, found_.null) <= policy::kWithinPrior;
-  evidence_.holdout_gains = sum_after < (rival ? std::min(sum_before, sum_released) : sum_before);
+  evidence_.holdout_gains = GainsOnHoldout({std::sqrt(sum_before), std::sqrt(sum_released), std::sqrt(sum_after)},
+                                           LargestDeviation(problem_, found_.null));
   Rule();
   result_.journal.push_back(
       {"verdict",

@@ -69,7 +69,8 @@ json ToJson(const Diagnosis& d) {
               {"refitted", json::array()},
               {"holdout_records", d.own_holdout},
               {"notes", d.notes},
-              {"simulations", d.simulations}};
+              {"simulations", std::ceil(d.simulations)},
+              {"search_complete", d.search_complete}};
   for (const FoundEffect& effect : d.effects) {
     json parameters = json::object();
     for (const FoundParameter& p : effect.parameters)

@@ -39,8 +39,7 @@ class Searching {
         // Suspects were followed as the plan has it: where motion is chaotic, coarser steps lead elsewhere.
         part_(problem.Part(PartShare(problem), options.suspects.empty() ? Rough(problem.plan()) : problem.plan())),
         problem_(&part_),
-        short_(Rough(problem.plan()), data, problem.registry(), ShortShare(data, training_share),
-               problem.decompositions()),
+        short_(Rough(problem.plan()), data, problem.registry(), ShortShare(data, training_share), problem.context()),
         options_(options),
         saved_(options.saved_fits, options.resume, problem),
         selection_(part_, saved_, options.progress) {}
@@ -80,7 +79,7 @@ class Searching {
       if (!explained.ok()) return explained.failure();
       if (*explained) return Complete(std::move(null), std::move(fits), std::move(structure));
     }
-    if (lost) {
+    if (lost && !whole_.spent()) {
       // Nobody was seen beside a line that rings at the wrong frequencies: once more beside the one that was fitted.
       Estimate fitted = null;
       fitted.nuisances.z0 = fitted.hypothesis.z;
@@ -102,14 +101,14 @@ class Searching {
     if (Status failed = ToTheWhole(null, fits, structure)) return *failed;
     if (!slips && options_.suspects.empty()) {
       const EffectInstance* best = fits.empty() ? nullptr : &fits.front().hypothesis.effects.back();
-      const bool rest = AnyFound(structure);
+      const bool rest = AnyFound(structure) && !whole_.spent();
       if (rest || (best != nullptr && best->effect->info().traits.speed_dependent)) {
         const Result<bool> explained =
             FromTheBeginning(rest ? std::nullopt : std::optional(best->place), fits, null, structure);
         if (!explained.ok()) return explained.failure();
       }
     }
-    if (AnyFound(structure)) {
+    if (AnyFound(structure) && !whole_.spent()) {
       // Before an effect is called for, or a second one, the machine gets the time it needs.
       Estimate& best = fits.empty() ? null : fits.front();
       best = ToTheEnd(std::move(best), 8);
@@ -126,7 +125,7 @@ class Searching {
       Sort(estimator, fits);
       structure = StructureOf(fits.empty() ? null : fits.front());
     }
-    if (!fits.empty() && AnyFound(structure)) {
+    if (!fits.empty() && AnyFound(structure) && !whole_.spent()) {
       if (Status failed = TryPairs(fits, null, rough, structure)) return *failed;
     }
     return Complete(std::move(null), std::move(fits), std::move(structure));
@@ -137,7 +136,6 @@ class Searching {
     found_.null = std::move(null);
     found_.fits = std::move(fits);
     found_.structure = std::move(structure);
-    found_.simulations = simulations_ + selection_.simulations();
     return std::move(found_);
   }
 
@@ -177,7 +175,6 @@ class Searching {
       screened_ = ScreenShort(base, what, begin, begin + 0.7 * (end - begin));
       saved_.KeepScreening(stage, screened_);
     }
-    for (const Screened& one : screened_) simulations_ += one.simulations;
     if (base.hypothesis.effects.empty()) found_.screened = screened_;
     std::vector<Estimate> fits;
     const std::vector<EffectInstance> entrants = EntrantsOf(screened_);
@@ -194,11 +191,9 @@ class Searching {
       // Its own size first, beside nuisance parameters that follow linearly: the screening saw it at a small one.
       if (!saved_.Recall(effects)) {
         const Estimate sized = estimator.Optimise(effects, base.nuisances, 8);
-        simulations_ += sized.simulations;
         if (sized.ok()) effects = sized.hypothesis.effects;
       }
       Estimate fit = EstimateAt(*problem_, {base.nuisances.z0, effects});
-      ++simulations_;
       if (!fit.ok()) continue;
       ++fitted;
       estimator.Score(fit);
@@ -299,7 +294,6 @@ class Searching {
     if (!cold.ok()) return fit;
     Estimate anew = EstimateAt(
         *problem_, selection_.OverGrowingHorizons(cold, Estimator(part_, WhitenerOf(part_, cold, 0))).hypothesis);
-    ++simulations_;
     if (anew.ok()) anew = Converged(*problem_, std::move(anew));
     if (!anew.ok()) return fit;
     const Estimator estimator(*problem_, WhitenerOf(*problem_, fit));
@@ -431,7 +425,6 @@ class Searching {
     Selection selection(fine, saved_, options_.progress);
     selection.Recall(beaten_);
     selection.Decide(EntrantsOf(found_.screened), rivals, nominal);
-    simulations_ += selection.simulations();
     std::vector<Structure> left;
     const EstimationProblem* before = std::exchange(problem_, &fine);
     const std::vector<Considered> considered = found_.considered;
@@ -550,7 +543,6 @@ class Searching {
   Found found_;
   std::vector<Screened> screened_;      // on top of what stood then
   std::vector<EffectInstance> beaten_;  // alone, where the search takes place
-  int simulations_ = 0;
 };
 
 }  // namespace

@@ -29,7 +29,6 @@ struct Found {
   std::vector<Considered> considered;  // what was left behind on the way
   std::string partial;                 // why there is no more than a part of the truth; empty: nothing known
   double threshold = 0.0;              // least gain of chi2 that counts
-  int simulations = 0;
 };
 
 struct SearchOptions {

@@ -75,7 +75,6 @@ bool Selection::Suggest(const Estimator& estimator, const Estimate& null, std::v
     at.z[i] = 0.0;
     step_("fitting " + at.effects.back().ToString(), 0.5);
     Estimate fit = EstimateAt(problem_, std::move(at));
-    ++simulations_;
     if (!fit.ok()) continue;
     estimator.Score(fit);
     std::erase_if(fits, [&](const Estimate& other) { return other.Name() == fit.Name() && other.chi2 > fit.chi2; });
@@ -128,11 +127,9 @@ void Selection::Decide(const std::vector<EffectInstance>& entrants, std::vector<
 /// Fits again those that `fit_again` takes up, best first, and sorts.
 template <class FitAgain>
 void Selection::Each(std::vector<Estimate>& fits, const std::string& what, double fraction, const FitAgain& fit_again) {
-  for (std::size_t k = 0; k < fits.size(); ++k) {
-    const int before = fits[k].simulations;
+  for (std::size_t k = 0; k < fits.size() && !problem_.spent(); ++k) {
     if (!fit_again(k)) continue;
     step_(what + fits[k].Name(), fraction + 0.06 * static_cast<double>(k) / static_cast<double>(fits.size()));
-    simulations_ += std::max(0, fits[k].simulations - before);
   }
   std::erase_if(fits, [](const Estimate& fit) { return !fit.ok(); });
   BestFirst(fits);
@@ -143,7 +140,7 @@ void Selection::Each(std::vector<Estimate>& fits, const std::string& what, doubl
 /// it can; a colour taken from a fit that is not there yet would count what it lacks as noise, and stay there.
 void Selection::Race(std::vector<Estimate>& fits, const Estimate& null) {
   std::set<std::string> out;
-  for (int lap = 0; lap < kLaps && out.size() < fits.size(); ++lap) {
+  for (int lap = 0; lap < kLaps && out.size() < fits.size() && !problem_.spent(); ++lap) {
     const Estimator estimator(problem_, WhitenerOf(problem_, fits.front(), 0));
     Sort(estimator, fits);
     Estimate nominal = null;
@@ -216,7 +213,7 @@ bool Selection::AtFloor(const Estimate& fit) const {
 void Selection::Regrow(const std::vector<EffectInstance>& entrants, std::vector<Estimate>& fits) {
   const Estimator estimator(problem_, WhitenerOf(problem_, fits.front(), 0));
   Sort(estimator, fits);
-  for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(kRegrown, entrants.size()) && !problem_.spent(); ++k) {
     if (ChangesStructure(entrants[k])) continue;
     Estimate fit;
     fit.hypothesis = problem_.Nominal();
@@ -234,7 +231,7 @@ void Selection::Regrow(const std::vector<EffectInstance>& entrants, std::vector<
 
 /// Alternative models, refitted from the nuisance parameters of the best one.
 void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, std::vector<Estimate>& fits) {
-  for (int round = 0; round < 2; ++round) {
+  for (int round = 0; round < 2 && !problem_.spent(); ++round) {
     const Estimator estimator(problem_, WhitenerOf(problem_, fits.front()));
     for (Estimate& fit : fits) estimator.Score(fit);
     const Estimate best = fits.front();
@@ -242,6 +239,7 @@ void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, s
     const Result<NuisanceModel> nuisances = LineariseNuisances(problem_, about, FreedomOf(problem_, about.effects));
     if (!nuisances.ok()) return;
     for (const EffectInstance& alternative : AlternativesTo(entrants, fits)) {
+      if (problem_.spent()) break;
       if (!MayAnswer(alternative, best.hypothesis)) continue;
       std::vector<EffectInstance> effects(best.hypothesis.effects.begin(), best.hypothesis.effects.end() - 1);
       effects.push_back(alternative);
@@ -250,7 +248,6 @@ void Selection::ConditionalRefits(const std::vector<EffectInstance>& entrants, s
         if (Changes(alternative, problem_.nuisances()[i])) beside.z0[i] = 0.0;  // the challenger says it instead
       }
       Estimate fit = estimator.Optimise(effects, beside, 4);
-      simulations_ += fit.simulations;
       if (!fit.ok() || fit.chi2 > kBeaten * best.chi2) continue;
       step_("beside " + best.Name() + ": " + fit.Name(), 0.62);
       Answer(estimator, std::move(fit), fits);
@@ -308,14 +305,12 @@ void Selection::Answer(const Estimator& estimator, Estimate fit, std::vector<Est
   for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
     if (Changes(fit.hypothesis.effects.back(), problem_.nuisances()[i])) fit.hypothesis.z[i] = 0.0;
   }
-  fit.simulations = 0;
   const double best = fits.front().chi2;
   for (int round = 0; round < 3 && fit.ok() && !fit.settled; ++round) {
     const double gap = fit.chi2 - best;
     fit = estimator.Refine(std::move(fit), 2, {.slopes = Slopes::kKnown});
     if (fit.chi2 - best > std::max(kNear, kCloses * gap)) break;  // it gets there no more
   }
-  simulations_ += fit.simulations;
   if (fit.ok()) TakeUp(fits, std::move(fit));
 }
 
@@ -344,13 +339,11 @@ Estimate Selection::FromShortHorizons(const Estimate& cold, const Estimator& las
     TakeSlopes(problem_, AtNominal(), rung, fit);
     fit = Estimator(rung, WhitenerOf(rung, fit, 0))
               .Refine(std::move(fit), 4, {.moves = modes ? Moves::kNuisances : Moves::kAll, .slopes = Slopes::kKnown});
-    simulations_ += fit.simulations;
     if (!fit.ok()) return cold;
   }
   fit = EstimateAt(problem_, std::move(fit.hypothesis));
   if (!fit.ok()) return cold;
   fit = FromItsOwn(std::move(fit), last);
-  simulations_ += fit.simulations;
   return fit.ok() ? fit : cold;
 }
 
@@ -358,7 +351,7 @@ Estimate Selection::OverGrowingHorizons(const Estimate& cold, const Estimator& l
   constexpr double kFirst = 1.0 / 27.0, kGrowth = 1.5;
   Hypothesis at = cold.hypothesis;
   at.z = problem_.Nominal().z;
-  for (double share = kFirst; share < 1.0; share *= kGrowth) {
+  for (double share = kFirst; share < 1.0 && !problem_.spent(); share *= kGrowth) {
     const EstimationProblem part = problem_.Part(share);
     Estimate fit = EstimateAt(part, std::move(at));
     if (!fit.ok()) return cold;
@@ -366,7 +359,6 @@ Estimate Selection::OverGrowingHorizons(const Estimate& cold, const Estimator& l
     // Twice: what is missed at first would count as noise.
     for (int k = 0; k < 2 && fit.ok(); ++k)
       fit = Estimator(part, WhitenerOf(part, fit, 0)).Refine(std::move(fit), 8, {.slopes = Slopes::kKnown});
-    simulations_ += fit.simulations;
     if (!fit.ok()) return cold;
     at = std::move(fit.hypothesis);
   }
@@ -379,6 +371,7 @@ std::optional<Hypothesis> Selection::FromAnyStart(const std::vector<EffectInstan
   const EstimationProblem& shortest = rungs_.front();
   std::vector<Estimate> fits;
   for (const EffectInstance& start : starts) {
+    if (problem_.spent()) return std::nullopt;
     step_("from any start: " + start.ToString(), 0.96);
     Hypothesis at = problem_.Nominal();
     at.effects = {start};
@@ -386,7 +379,6 @@ std::optional<Hypothesis> Selection::FromAnyStart(const std::vector<EffectInstan
     if (fit.ok()) TakeSlopes(problem_, AtNominal(), shortest, fit);
     for (int k = 0; k < 2 && fit.ok(); ++k)
       fit = Estimator(shortest, WhitenerOf(shortest, fit, 0)).Refine(std::move(fit), 4, {.slopes = Slopes::kKnown});
-    simulations_ += fit.simulations;
     if (fit.ok()) fits.push_back(std::move(fit));
   }
   // By the noise of the one that leaves least: beside much larger residuals only the nuisance parameters would count.

@@ -48,8 +48,6 @@ class Selection {
   /// on over parts that grow. The first that comes to the noise, if any.
   std::optional<Hypothesis> FromAnyStart(const std::vector<EffectInstance>& starts);
 
-  int simulations() const { return simulations_; }
-
  private:
   std::optional<EffectInstance> AsEffect(const Nuisance& nuisance, double z) const;
   /// The nuisance parameters about the nominal model, on all rows; without columns where a run breaks.
@@ -78,7 +76,6 @@ class Selection {
   std::vector<EffectInstance> beaten_;
   SavedFits& saved_;
   Progress step_;
-  int simulations_ = 0;
 };
 
 }  // namespace dynoproof::diagnosis

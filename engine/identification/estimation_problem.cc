@@ -82,8 +82,8 @@ void CutRecord(MappedRecord& record, double until) {
 }
 
 EstimationProblem::EstimationProblem(Plan plan, std::vector<MappedRecord> records, const Registry& registry,
-                                     double until, std::shared_ptr<mechanics::Decompositions> known)
-    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), known_(std::move(known)) {
+                                     double until, SearchContext context)
+    : plan_(std::move(plan)), registry_(&registry), records_(std::move(records)), context_(std::move(context)) {
   if (!records_.empty()) StartFromRecord(records_.front(), registry, plan_);
   for (MappedRecord& record : records_) {
     record = OntoClock(std::move(record), plan_);
@@ -146,6 +146,12 @@ bool EstimationProblem::NeedsFinerSteps(const Hypothesis& hypothesis) const {
                      [](const EffectInstance& instance) { return instance.effect->info().traits.dry_friction; });
 }
 
+Result<std::size_t> EstimationProblem::States() const {
+  const Result<std::unique_ptr<Prepared>> prepared = Drive(plan_, records_.front(), *registry_);
+  if (!prepared.ok()) return prepared.failure();
+  return (*prepared)->rig->state_ports.size();
+}
+
 Result<Eigen::VectorXd> EstimationProblem::Predict(const Hypothesis& hypothesis) const {
   return PredictPlan(PlanOf(hypothesis));
 }
@@ -162,8 +168,9 @@ Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
   for (std::size_t r = 0; r < records_.size(); ++r) {
     const Result<std::unique_ptr<Prepared>> prepared = Drive(StartingInto(plan, r), records_[r], *registry_);
     if (!prepared.ok()) return prepared.failure();
+    context_.allowance->Count(records_[r].end_s);
     const Rig& rig = *(*prepared)->rig;
-    const Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig, known_.get());
+    const Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig, context_.decompositions.get());
     if (!solver.ok()) return solver.failure();
     const Result<Samples> samples =
         observers_.empty() ? Simulate(rig, **solver) : PredictInWindows(rig, **solver, observers_[r]);

@@ -11,6 +11,7 @@
 #include "base/status.h"
 #include "experiment/prediction_windows.h"
 #include "experiment/records.h"
+#include "identification/allowance.h"
 #include "identification/nuisance.h"
 #include "linear/decompositions.h"
 #include "model/registry.h"
@@ -48,15 +49,22 @@ std::string StartOfRecord(std::size_t record);
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
+/// What all problems of one search have in common, whatever part of the records they are about.
+struct SearchContext {
+  std::shared_ptr<mechanics::Decompositions> decompositions = std::make_shared<mechanics::Decompositions>();
+  std::shared_ptr<Allowance> allowance = std::make_shared<Allowance>();
+};
+
 class EstimationProblem {
  public:
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.
-  /// `known`: decompositions that other studies of the same machine share.
   EstimationProblem(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0,
-                    std::shared_ptr<mechanics::Decompositions> known = std::make_shared<mechanics::Decompositions>());
+                    SearchContext context = {});
 
   /// The first share `until` of these records, with another plan of the same machine.
-  EstimationProblem Part(double until, Plan plan) const { return {std::move(plan), given_, *registry_, until, known_}; }
+  EstimationProblem Part(double until, Plan plan) const {
+    return {std::move(plan), given_, *registry_, until, context_};
+  }
   EstimationProblem Part(double until) const { return Part(until, plan_); }
 
   const Plan& plan() const { return plan_; }
@@ -68,7 +76,9 @@ class EstimationProblem {
   const Eigen::VectorXd& measured() const { return measured_; }
   /// Time of each row [s].
   const std::vector<double>& time_s() const { return time_s_; }
-  const std::shared_ptr<mechanics::Decompositions>& decompositions() const { return known_; }
+  const SearchContext& context() const { return context_; }
+  /// Whether the search may not go on.
+  bool spent() const { return context_.allowance->spent(); }
 
   /// The plan of a hypothesis: nuisance parameters first, then the effects in order, with substeps as fine as they ask
   /// for.
@@ -82,6 +92,8 @@ class EstimationProblem {
   /// Whether a hypothesis is run with four substeps at least, where a rough search takes one. Dry friction is held over
   /// a substep where it may stick, which undamped modes remember and damped ones forget.
   bool NeedsFinerSteps(const Hypothesis& hypothesis) const;
+  /// How many states the nominal model has. Fails where it cannot be built.
+  Result<std::size_t> States() const;
   Hypothesis Nominal() const { return {std::vector<double>(nuisances_.size(), 0.0), {}}; }
 
  private:
@@ -97,7 +109,7 @@ class EstimationProblem {
   std::vector<Channel> channels_;
   Eigen::VectorXd measured_;
   std::vector<double> time_s_;
-  std::shared_ptr<mechanics::Decompositions> known_;
+  SearchContext context_;
 };
 
 }  // namespace dynoproof::identification

@@ -317,7 +317,7 @@ Estimate Estimator::Evaluate(const std::vector<EffectInstance>& effects, const N
 Estimate Estimator::Optimise(const std::vector<EffectInstance>& effects, const NuisanceModel& nuisances,
                              int iterations) const {
   const Coordinates coordinates(effects);
-  if (coordinates.size() == 0) return Evaluate(effects, nuisances);
+  if (coordinates.size() == 0 || problem_.spent()) return Evaluate(effects, nuisances);
   const Projection projection(nuisances, whitener_);
   std::vector<double> x = coordinates.Start();
   int simulations = 0;
@@ -397,7 +397,7 @@ void Estimator::Derive(Estimate& fit) const {
 
 Estimate Converged(const EstimationProblem& problem, Estimate fit) {
   constexpr double kWorthIt = 0.5;  // of chi2
-  for (int k = 0; k < 8 && fit.ok(); ++k) {
+  for (int k = 0; k < 8 && fit.ok() && !problem.spent(); ++k) {
     const Estimator estimator(problem, WhitenerOf(problem, fit));
     estimator.Score(fit);
     const double before = fit.chi2;

@@ -29,12 +29,11 @@ struct Number {
 
 class Reaching {
  public:
-  Reaching(const EstimationProblem& problem, const Estimate& fit, int& simulations)
+  Reaching(const EstimationProblem& problem, const Estimate& fit)
       : problem_(problem),
         best_(fit),
         estimator_(problem, WhitenerOf(problem, fit)),
-        rough_(NeedsWideDifferences(fit.hypothesis.effects)),
-        simulations_(simulations) {
+        rough_(NeedsWideDifferences(fit.hypothesis.effects)) {
     estimator_.Score(best_);
   }
 
@@ -42,6 +41,7 @@ class Reaching {
     const double deviation = reach.above / kTwoSided95;
     if (!(deviation > 0.0) || !std::isfinite(deviation)) return;
     for (const double side : {-1.0, 1.0}) {
+      if (problem_.spent()) return;
       if (!rough_ && IsParabola(number, side * deviation)) continue;
       double& far = side < 0.0 ? reach.below : reach.above;
       far = std::max(far, LargestDeviation(number, side * deviation));
@@ -63,7 +63,6 @@ class Reaching {
     }
     for (const int i : best_.nuisances.free) moved.z[static_cast<std::size_t>(i)] += step[row++];
     Estimate there = EstimateAt(problem_, std::move(moved));
-    ++simulations_;
     if (!there.ok()) return false;
     estimator_.Score(there);
     const double rise = (there.chi2 - best_.chi2) / (kFirst * kFirst);
@@ -77,14 +76,13 @@ class Reaching {
     const double value = number.In(at.hypothesis);
     double agrees = 0.0, farthest = 0.0;
     int refused = 0;
-    for (double distance = kFirst; refused < kRefused; distance *= kFarther) {
+    for (double distance = kFirst; refused < kRefused && !problem_.spent(); distance *= kFarther) {
       Hypothesis beside = at.hypothesis;
       number.In(beside) = std::clamp(value + distance * deviation, info.lower, info.upper);
       const double moved = std::abs(number.In(beside) - value);
       const bool bound = number.In(beside) == info.lower || number.In(beside) == info.upper;
       Estimate held = EstimateAt(problem_, std::move(beside));
       if (held.ok()) held = estimator_.Refine(std::move(held), kRounds, {.held = number.row});
-      simulations_ += held.simulations;
       const double rise = held.ok() ? held.chi2 - best_.chi2 : HUGE_VAL;
       if (rise < kAgrees) {
         agrees = moved;
@@ -103,7 +101,6 @@ class Reaching {
   Estimate best_;
   const Estimator estimator_;
   const bool rough_;
-  int& simulations_;
 };
 
 }  // namespace
@@ -117,9 +114,9 @@ std::vector<Reach> ByCovariance(const Estimate& fit) {
   return reaches;
 }
 
-std::vector<Reach> ProfileIntervalOf(const EstimationProblem& problem, const Estimate& fit, int& simulations) {
+std::vector<Reach> ProfileIntervalOf(const EstimationProblem& problem, const Estimate& fit) {
   std::vector<Reach> reaches = ByCovariance(fit);
-  Reaching reaching(problem, fit, simulations);
+  Reaching reaching(problem, fit);
   Number number;
   for (const EffectInstance& instance : fit.hypothesis.effects) {
     for (number.parameter = 0; number.parameter < instance.parameters.size(); ++number.parameter, ++number.row)

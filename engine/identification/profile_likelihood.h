@@ -18,7 +18,7 @@ std::vector<Reach> ByCovariance(const Estimate& fit);
 /// standard deviations away chi2 has to be 64 higher then. Where it is not, or where dry friction makes the way rough,
 /// the parameter is held there and farther out, and all else is fitted again: a number that others make up for
 /// reaches as far as they do, which differences across one change of sticking and slipping do not show. Never less than
-/// the covariance says. `simulations`: is raised by as many as it took.
-std::vector<Reach> ProfileIntervalOf(const EstimationProblem& problem, const Estimate& fit, int& simulations);
+/// the covariance says.
+std::vector<Reach> ProfileIntervalOf(const EstimationProblem& problem, const Estimate& fit);
 
 }  // namespace dynoproof::identification

@@ -19,7 +19,7 @@ Estimate Restarted(const EstimationProblem& problem, const Estimator& estimator,
   estimator.Derive(fit);
   std::mt19937 random(1);
   std::normal_distribution<double> deviate;
-  for (int k = 0; k < tries; ++k) {
+  for (int k = 0; k < tries && !problem.spent(); ++k) {
     Hypothesis beside = fit.hypothesis;
     Eigen::Index row = 0;
     for (EffectInstance& instance : beside.effects) {

@@ -232,13 +232,19 @@ class JointCost : public ceres::CostFunction {
   mutable int corrected_ = 0;  // times since the last differences of all unknowns
 };
 
-/// Ends the search after so many accepted steps, and where slopes that were known lead nowhere.
+/// Ends the search after so many accepted steps, where slopes that were known lead nowhere, and where its allowance is
+/// spent.
 class AfterRounds : public ceres::IterationCallback {
  public:
-  AfterRounds(int rounds, const JointCost& cost) : left_(rounds), cost_(cost) {}
+  AfterRounds(int rounds, const JointCost& cost, const EstimationProblem& problem)
+      : left_(rounds), cost_(cost), problem_(problem) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (summary.iteration > 0 && summary.step_is_successful) --left_;
     misled_ = summary.iteration > 0 && !summary.step_is_successful && cost_.FollowsKnownSlopes();
+    if (problem_.spent()) {
+      misled_ = false;
+      return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    }
     return left_ > 0 && !misled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
   bool misled() const { return misled_; }
@@ -247,6 +253,7 @@ class AfterRounds : public ceres::IterationCallback {
   int left_;
   bool misled_ = false;
   const JointCost& cost_;
+  const EstimationProblem& problem_;
 };
 
 }  // namespace
@@ -270,7 +277,7 @@ Estimate Estimator::Refine(Estimate fit, int rounds, const RefineOptions& wanted
     return fit;
   }
   problem.AddResidualBlock(&cost, nullptr, x.data());
-  AfterRounds callback(rounds, cost);
+  AfterRounds callback(rounds, cost, problem_);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   // Steps are damped in the unknowns' own units, spreads of the nuisance parameters and shares of the effects: by the

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -76,6 +77,35 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   for (const char* text : {"inertia_change", "measured - simulated", "mean residual over", "extended - simulated",
                            "What was considered", "extended", "How the verdict came about"})
     EXPECT_THAT(page, HasSubstr(text));
+}
+
+// Without a budget the search goes all its roads where nobody explains the data.
+TEST_F(Measured, ASearchThatHasSpentItsBudgetEndsWithTheBestItHasAndSaysSo) {
+  Record("plant.inertia.I3=0.65");
+  double phase = 0.0;
+  for (double& value : columns_[columns_.size() - 2].values) {
+    phase += 0.01;
+    value += 3.0 * std::sin(phase) * std::abs(std::sin(3.0 * phase));
+  }
+  Write();
+  const auto diagnosed = [&](const std::vector<std::string>& most) {
+    std::vector<std::string> call = {"diagnose", "line.toml", "--data", "record.csv", "--out", "found"};
+    call.insert(call.end(), most.begin(), most.end());
+    return bench_.Json(call);
+  };
+  const nlohmann::json all = diagnosed({}), some = diagnosed({"--most-simulations", "300"});
+  const nlohmann::json at_once = diagnosed({"--most-cpu", "0.01"});
+  EXPECT_EQ(all["search_complete"], true);
+  EXPECT_THAT(all["notes"].dump(), ::testing::Not(HasSubstr("has spent its budget")));
+  for (const nlohmann::json& one : {some, at_once}) {
+    EXPECT_EQ(one["search_complete"], false);
+    EXPECT_LT(one["simulations"], all["simulations"]);
+    EXPECT_THAT(one["notes"].dump(), HasSubstr("has spent its budget"));
+  }
+  ASSERT_FALSE(some["considered"].empty()) << all.dump(1) << some.dump(1);
+  EXPECT_TRUE(std::any_of(some["considered"].begin(), some["considered"].end(), [](const nlohmann::json& one) {
+    return one["name"] == "inertia_change" && one["at"] == "inertia:I3";
+  })) << some["considered"].dump(1);
 }
 
 /// From the diagnosis to the golden trace, with a nominal model that --set has made.
@@ -250,6 +280,7 @@ TEST_F(Measured, ValuesOfALineWithPlayThatAreALittleOffAreNoEffect) {
 }
 
 TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
+  double horizon_s = 0.0;
   const auto check = [&] {
     const Outcome outcome = Call({"check-data", "record.csv", "--scenario", "line.toml", "--json", "check.json"});
     std::map<std::string, nlohmann::json> distances;
@@ -257,10 +288,14 @@ TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
     for (const nlohmann::json& finding : document["findings"]) {
       if (finding["kind"] == "distance") distances[finding["column"]] = finding;
     }
+    horizon_s = document.at("horizon_s");
+    EXPECT_EQ(document.at("levels").back().at("window_s"), nullptr);
     return std::pair(outcome, distances);
   };
   Record("");
   const auto [same, near] = check();
+  EXPECT_NEAR(horizon_s, 0.6, 1e-9);
+  EXPECT_THAT(same.out, HasSubstr("predicts the whole record to its noise"));
   EXPECT_EQ(same.exit, 0) << same.Both();
   ASSERT_EQ(near.size(), 2u) << same.Both();
   for (const auto& [name, finding] : near) EXPECT_NEAR(finding["nrmse"].get<double>(), 0.01, 0.001) << name;
@@ -270,6 +305,7 @@ TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
   const auto [changed, apart] = check();
   EXPECT_EQ(changed.exit, 0) << changed.Both();
   EXPECT_GT(apart.at("T_shaft")["nrmse"], 0.5);
+  EXPECT_LT(horizon_s, 0.1);
   // Invented: seeded noise of the same size.
   std::uint64_t state = 1;
   for (std::size_t i = columns_.size() - 2; i < columns_.size(); ++i) {

@@ -199,5 +199,22 @@ TEST_F(Ambiguity, HoldsWhatIsAsGoodAndDropsWhatIsOnlyMoreComplex) {
   EXPECT_EQ(AmbiguitySet(fits, threshold), (std::vector<std::size_t>{0, 1, 4}));
 }
 
+// The values that are fitted along gain by themselves: an effect that only comes with them is none.
+TEST(HoldOut, AnEffectHasToGainOnTheNominalModelWithItsOwnFittedValues) {
+  EXPECT_TRUE(GainsOnHoldout({.before = 0.4, .released = 0.2, .after = 0.1}, 1.0));
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.4, .released = 0.1, .after = 0.2}, 1.0));
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.1, .released = 0.4, .after = 0.2}, 1.0));
+}
+
+TEST(HoldOut, ANominalModelThatNeedsValuesBeyondTheirPriorsIsNoRival) {
+  EXPECT_TRUE(GainsOnHoldout({.before = 0.4, .released = 0.1, .after = 0.2}, policy::kWithinPrior + 0.1));
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.1, .released = 0.1, .after = 0.2}, policy::kWithinPrior + 0.1));
+}
+
+TEST(HoldOut, WhatIsNoNumberDoesNotGain) {
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.4, .released = 0.2, .after = std::nan("")}, 1.0));
+  EXPECT_FALSE(GainsOnHoldout({.before = std::nan(""), .released = std::nan(""), .after = 0.2}, 1.0));
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis

@@ -42,13 +42,14 @@ TEST_F(SlowReach, IsWhatTheCovarianceSaysWhereChi2IsAParabola) {
   const EstimationProblem problem = Measured(line);
   const Estimate fit = FitOf(problem, "viscous_friction", "inertia:I3", {4.0});
   ASSERT_TRUE(fit.ok()) << fit.broken;
-  int simulations = 0;
-  const std::vector<Reach> reach = ProfileIntervalOf(problem, fit, simulations);
+  const double before_s = problem.context().allowance->simulations();
+  const std::vector<Reach> reach = ProfileIntervalOf(problem, fit);
   ASSERT_EQ(reach.size(), 1U);
+  const double simulated_s = problem.context().allowance->simulations() - before_s;
   const double half = 1.96 * std::sqrt(fit.covariance(0, 0));
   EXPECT_NEAR(reach[0].below, half, 1e-3 * half);
   EXPECT_NEAR(reach[0].above, half, 1e-3 * half);
-  EXPECT_EQ(simulations, 2);
+  EXPECT_NEAR(simulated_s, 2.0 * problem.records().front().end_s, 1e-9);
 }
 
 // Where the inertia hardly goes, and slowly, dry friction passes for viscous friction. Differences do not show it: how
@@ -68,8 +69,7 @@ TEST_F(SlowReach, GoesAsFarAsOneKindOfFrictionPassesForTheOther) {
   ASSERT_TRUE(fit.ok()) << fit.broken;
   const double found = fit.hypothesis.effects[0].parameters[3], half = 1.96 * std::sqrt(fit.covariance(3, 3));
   ASSERT_GT(std::abs(found - kViscous), half) << "the covariance knows it by itself";
-  int simulations = 0;
-  const std::vector<Reach> reach = ProfileIntervalOf(problem, fit, simulations);
+  const std::vector<Reach> reach = ProfileIntervalOf(problem, fit);
   EXPECT_LT(found - reach[3].below, kViscous);
   EXPECT_GT(found + reach[3].above, kViscous);
 }
