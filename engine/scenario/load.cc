@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "scenario/find.h"
+#include "scenario/nesting.h"
 
 namespace dynoproof {
 namespace {
@@ -55,6 +56,9 @@ Value Convert(const toml::node& node, const std::string& file, Diagnostics& diag
   return value;
 }
 
+/// The most files that a scenario may take in. One that is named twice counts twice: it is merged anew each time.
+constexpr int kMostFiles = 1000;
+
 /// Parses one file; nothing after a syntax error or when it cannot be read.
 std::optional<Value> ParseFile(const std::string& file, const SourceSpan& asked_by, Diagnostics& diagnostics) {
   std::error_code error;
@@ -66,6 +70,11 @@ std::optional<Value> ParseFile(const std::string& file, const SourceSpan& asked_
     return std::nullopt;
   }
   diagnostics.AddSource(file, *text);
+  if (const std::optional<int> line = LineTooDeep(*text)) {
+    diagnostics.Error({file, *line, 1, 1}, fmt::format("more than {} tables and lists lie in one another", kMostLevels),
+                      "write them side by side");
+    return std::nullopt;
+  }
   try {
     const toml::table table = toml::parse(*text, file);
     return Convert(table, file, diagnostics);
@@ -106,9 +115,22 @@ bool KnownFormat(const Value& root, Diagnostics& diagnostics) {
   return false;
 }
 
-/// The file with its includes merged below it. `open` holds the files being read, to find circles.
-std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan& asked_by, std::set<std::string>& open,
+/// The files that are read for one scenario.
+struct Files {
+  std::set<std::string> open;  // to find circles
+  int count = 0;
+};
+
+/// The file with its includes merged below it.
+std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan& asked_by, Files& files,
                                       Diagnostics& diagnostics) {
+  if (++files.count > kMostFiles) {
+    if (files.count == kMostFiles + 1)  // once is enough
+      diagnostics.Error(asked_by, fmt::format("includes take in more than {} files", kMostFiles),
+                        "each is counted as often as it is included: name it in one file alone");
+    return std::nullopt;
+  }
+  std::set<std::string>& open = files.open;
   std::error_code error;
   const std::string canonical = fs::weakly_canonical(file, error).string();
   if (!open.insert(canonical).second) {
@@ -132,7 +154,7 @@ std::optional<Value> ReadWithIncludes(const std::string& file, const SourceSpan&
         continue;
       }
       const std::string path = (fs::path(file).parent_path() / item.string()).lexically_normal().string();
-      std::optional<Value> part = ReadWithIncludes(path, item.where(), open, diagnostics);
+      std::optional<Value> part = ReadWithIncludes(path, item.where(), files, diagnostics);
       if (part) Include(merged, *part);
       good = good && part.has_value();
     }
@@ -187,6 +209,11 @@ void Override(Value& root, const std::string& text, int number, Diagnostics& dia
   const bool gap = path.starts_with('.') || path.ends_with('.') || path.find("..") != std::string::npos;
   if (equals == std::string::npos || path.empty() || gap) {
     diagnostics.Error(where, fmt::format("\"{}\" is no override", text), "write --set path.to.key=value");
+    return;
+  }
+  if (std::ranges::count(path, '.') >= kMostLevels || LineTooDeep("v = " + text.substr(equals + 1))) {
+    diagnostics.Error(where, fmt::format("more than {} tables and lists would lie in one another", kMostLevels),
+                      "write --set path.to.key=value");
     return;
   }
   Value value = ParseTomlValue(text.substr(equals + 1));
@@ -315,8 +342,8 @@ void WriteTable(const Value& table, const std::string& path, int depth, std::str
 
 std::optional<Plan> LoadPlan(const std::string& file, const std::vector<std::string>& overrides,
                              Diagnostics& diagnostics) {
-  std::set<std::string> open;
-  std::optional<Value> root = ReadWithIncludes(file, {file}, open, diagnostics);
+  Files files;
+  std::optional<Value> root = ReadWithIncludes(file, {file}, files, diagnostics);
   if (!root) return std::nullopt;
   std::string text;
   for (const std::string& one : overrides) text += one + "\n";
@@ -335,6 +362,7 @@ std::string ToToml(const Value& root) {
 }
 
 Value ParseTomlValue(const std::string& text) {
+  if (LineTooDeep("v = " + text)) return Value(text);
   try {
     const toml::table table = toml::parse("v = " + text);
     Diagnostics ignored;

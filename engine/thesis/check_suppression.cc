@@ -34,6 +34,15 @@ std::size_t Row(const CheckContext& context, double time_s) {
   return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s - 1e-9) - time.begin());
 }
 
+/// A check of a run that ends before the time that the check looks at.
+score::Check EndsBefore(const CheckContext& context, const char* kind, const char* key, double time_s,
+                        const std::string& origin) {
+  const std::vector<double>& time = context.samples().time;
+  return Judge(
+      kind, kind, std::numeric_limits<double>::quiet_NaN(), 0.0, "s", origin,
+      fmt::format("the run ends at {:.6g} s, before {} = {:.6g} s", time.empty() ? 0.0 : time.back(), key, time_s));
+}
+
 double Rms(const std::vector<double>& values, std::size_t begin, std::size_t end) {
   double sum = 0.0;
   for (std::size_t i = begin; i < end; ++i) sum += values[i] * values[i];
@@ -107,6 +116,8 @@ std::vector<score::Check> GrowthCheck::Run(CheckContext& context) const {
 }
 
 std::vector<score::Check> PlacementsCheck::Run(CheckContext& context) const {
+  if (Row(context, p_.load_from_s) >= context.samples().time.size())
+    return {EndsBefore(context, kName, "load_from_s", p_.load_from_s, p_.origin)};
   const std::vector<Placement> all = PlacementsOf(context, p_.notches);
   std::vector<score::Check> checks;
   int after_load = 0;
@@ -153,6 +164,7 @@ std::vector<score::Check> WanderCheck::Run(CheckContext& context) const {
   std::vector<score::Check> checks;
   double furthest = 0.0;
   const std::size_t row = Row(context, p_.found_by_s);
+  if (row >= context.samples().time.size()) return {EndsBefore(context, kName, "found_by_s", p_.found_by_s, p_.origin)};
   for (std::size_t i = 0; i < p_.notches.size() && i < p_.expected_Hz.size(); ++i) {
     const std::vector<double>& f = Values(context, p_.notches[i]);
     double wander = 0.0;

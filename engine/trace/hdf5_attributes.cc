@@ -26,6 +26,23 @@ std::string Unpad(std::string text, H5T_str_t padding) {
 
 constexpr std::size_t kLongestText = std::size_t{64} << 20;
 
+/// How many letters a text of variable length should have; 0 if that cannot be told. The file says so beside the text's
+/// place in a heap, and the library tells nobody: it "converts" that to bytes when asked to leave it as it is.
+template <class Read>
+std::uint32_t LengthOf(hid_t text_type, Read read) {
+  constexpr std::size_t kReference = 16;  // length, place of the heap, number in it
+  const Handle bytes(H5Tcreate(H5T_OPAQUE, kReference));
+  const H5T_conv_t leave = [](hid_t, hid_t, H5T_cdata_t*, std::size_t, std::size_t, std::size_t, void*, void*,
+                              hid_t) -> herr_t { return 0; };
+  if (H5Tregister(H5T_PERS_SOFT, "leave", text_type, bytes.id(), leave) < 0) return 0;
+  unsigned char reference[kReference] = {};
+  const bool known = read(bytes.id(), reference) >= 0;
+  std::uint32_t length = 0;
+  for (int k = 3; k >= 0; --k) length = length << 8 | reference[k];
+  H5Tunregister(H5T_PERS_SOFT, "leave", text_type, bytes.id(), leave);
+  return known ? length : 0;
+}
+
 /// Reads one string through `read(memory_type, buffer)`; fixed or variable length, as `file_type` says.
 template <class Read>
 Result<std::string> ReadString(hid_t file_type, const std::string& what, Read read) {
@@ -46,7 +63,11 @@ Result<std::string> ReadString(hid_t file_type, const std::string& what, Read re
     H5Tset_cset(type.id(), H5Tget_cset(file_type));
     char* raw = nullptr;
     if (read(type.id(), &raw) < 0) return LastError(what + " cannot be read");
-    return raw == nullptr ? std::string() : std::string(raw, ::strnlen(raw, kLongestText));
+    const std::string found = raw == nullptr ? std::string() : std::string(raw, ::strnlen(raw, kLongestText));
+    // One whose place in the heap the library does not find comes back as zeros.
+    if (found.empty() && LengthOf(type.id(), read) > 0)
+      return BadData(what + " has a text that the file does not hold: the file is damaged; write it anew");
+    return found;
   });
   if (text.ok()) return text;
   Failure failure = text.failure();
@@ -74,7 +95,9 @@ Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
   if (!attribute.valid()) return broken();
   const Handle space(H5Aget_space(attribute.id()));
   const Handle type(H5Aget_type(attribute.id()));
-  if (H5Sget_simple_extent_npoints(space.id()) != 1) return Attribute{};
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (!space.valid() || !type.valid() || count < 0) return broken();
+  if (count != 1) return Attribute{};
   switch (H5Tget_class(type.id())) {
     case H5T_STRING: {
       Result<std::string> text =

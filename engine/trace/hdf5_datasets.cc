@@ -65,9 +65,10 @@ std::string KindOfType(hid_t dataset) {
 }
 
 /// What netCDF leaves where a dimension has a length but no coordinates.
-bool IsBareDimension(hid_t dataset) {
+Result<bool> IsBareDimension(hid_t dataset) {
   const Result<hdf5::Attribute> name = hdf5::ReadAttribute(dataset, "NAME");
-  const auto* const text = name.ok() ? std::get_if<std::string>(&*name) : nullptr;
+  if (!name.ok()) return name.failure();
+  const auto* const text = std::get_if<std::string>(&*name);
   return text != nullptr && text->starts_with("This is a netCDF dimension but not a netCDF variable");
 }
 
@@ -188,7 +189,9 @@ class Reader {
       return LeaveOut(path,
                       fmt::format("is a matrix of {} signals: name those to read, \"{}[0]\"", planned.signals, path)),
              Status();
-    if (IsBareDimension(id)) return LeaveOut(path, "is a dimension without values"), Status();
+    const Result<bool> bare = IsBareDimension(id);
+    if (!bare.ok()) return Bad(fmt::format("dataset \"{}\": {}", path, bare.failure().message));
+    if (*bare) return LeaveOut(path, "is a dimension without values"), Status();
     Result<hdf5::Meaning> meaning = hdf5::ReadMeaning(id, path, ScaledLater(path));
     if (!meaning.ok() && meaning.failure().signal != hdf5::kRefused) return meaning.failure();
     if (!meaning.ok()) {

@@ -127,5 +127,22 @@ TEST(CheckKinds, ARunWithoutSamplesNeverPasses) {
   }
 }
 
+TEST(CheckKinds, ARunThatEndsBeforeWhatIsLookedAtSaysSo) {
+  for (const char* const kind : {"growth", "placements", "wander"}) {
+    if (testing::FullRegistry().FindCheck(kind) == nullptr) continue;
+    SCOPED_TRACE(kind);
+    testing::CheckBed bed(Stated(kind));
+    constexpr std::size_t kFew = 30;  // all of them before the first time that is asked for
+    bed.samples.time.resize(kFew);
+    for (auto* signals : {&bed.samples.inputs, &bed.samples.outputs}) {
+      for (std::vector<double>& values : *signals) values.resize(kFew);
+    }
+    const std::vector<score::Check> checks = bed.Run();
+    ASSERT_EQ(checks.size(), 1U);
+    EXPECT_EQ(checks[0].verdict, score::Verdict::kFail);
+    EXPECT_NE(checks[0].explanation.find("the run"), std::string::npos) << checks[0].explanation;
+  }
+}
+
 }  // namespace
 }  // namespace dynoproof

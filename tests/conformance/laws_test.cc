@@ -261,6 +261,66 @@ TEST(Laws, ThatBendAnywhereAreFound) {
   }
 }
 
+/// A spring to which the root of a number is added, which may be none; it says that it is a spring alone, or not.
+template <bool kLinear>
+class Stuck : public Law {
+ public:
+  struct Params {
+    double torque_Nm = 0.0;
+    void Visit(auto& v) { v.Required("torque_Nm", torque_Nm, Any("N m"), "its root is added"); }
+  };
+  static PluginInfo Info() { return {"law", kLinear ? "stuck_linear" : "stuck", "", "", "", {}}; }
+  explicit Stuck(const Params& params) : torque_(params.torque_Nm) {}
+  SpringDamper linear() const override { return {1e4, 0.0}; }
+  bool is_linear() const override { return kLinear; }
+  double Torque(const LawView& view) const override { return std::sqrt(torque_) + 1e4 * view.twist; }
+
+ private:
+  double torque_;
+};
+
+TEST(Laws, ThatGiveNoNumberOrAnotherThanTheySayAreRefusedByName) {
+  Registry registry;
+  RegisterBuiltIns(registry);
+  registry.Add<Stuck<true>>();
+  registry.Add<Stuck<false>>();
+  const auto faults = [&](const char* law, double torque_Nm) {
+    const Value table{
+        {"type", "drive_line"},
+        {"inertia", Value{{"I1", 2.0}, {"I2", 0.5}}},
+        {"shaft", Value{{"k1", Value{{"between", Value::Array{"I1", "I2"}}, {"law", law}, {"torque_Nm", torque_Nm}}}}}};
+    Diagnostics diagnostics;
+    BuildContext context{registry, diagnostics, "plant", {}};
+    const bool refused = registry.MakeComponent("plant", table, context) == nullptr;
+    EXPECT_EQ(refused, diagnostics.has_errors());
+    return diagnostics.Format();
+  };
+  EXPECT_EQ(faults("stuck_linear", 0.0), "");
+  EXPECT_EQ(faults("stuck", 0.0), "");
+  EXPECT_EQ(faults("stuck", 1.0), "") << "it does not say that it is linear";
+  using ::testing::HasSubstr;
+  EXPECT_THAT(faults("stuck_linear", 1.0), HasSubstr("law \"stuck_linear\" of \"k1\" gives a torque of 1 at"));
+  EXPECT_THAT(faults("stuck_linear", -1.0), HasSubstr("law \"stuck_linear\" of \"k1\" gives a torque of"));
+  EXPECT_THAT(faults("stuck", -1.0), HasSubstr("law \"stuck\" of \"k1\" gives a torque of"));
+}
+
+TEST(Laws, WithNumbersThatCannotBeComputedWithAreRefusedByName) {
+  const auto faults = [](double inertia, double stiffness, double damping) {
+    const Value shaft{
+        {"between", Value::Array{"I1", "I2"}}, {"stiffness_Nm_per_rad", stiffness}, {"damping_Nms_per_rad", damping}};
+    const Value table{
+        {"type", "drive_line"}, {"inertia", Value{{"I1", inertia}, {"I2", 0.5}}}, {"shaft", Value{{"k1", shaft}}}};
+    std::string said;
+    testing::Build("plant", table, {}, &said);
+    return said;
+  };
+  EXPECT_EQ(faults(2.0, 1e5, 3.0), "");
+  EXPECT_EQ(faults(1e-9, 1e12, 1e6), "") << "odd, but no trouble";
+  EXPECT_NE(faults(1e-310, 1e5, 3.0).find("\"I1\" has an inertia of 1e-310 kg m^2, too small"), std::string::npos);
+  EXPECT_NE(faults(2.0, 1e308, 3.0).find("\"k1\" has a stiffness too large"), std::string::npos);
+  EXPECT_NE(faults(2.0, 1e5, 1e308).find("\"k1\" has a damping too large"), std::string::npos);
+}
+
 TEST(Laws, GuardsAndTorqueAreContinuousWithinAMode) {
   ForEachLaw([](const std::string&, const Law& law) {
     Guided guided{law};

@@ -122,6 +122,68 @@ TEST(Include, OfOneFileTwiceIsNoCircle) {
       << diagnostics.Format();
 }
 
+TEST(Include, ThatDoublesAtEachLevelIsRefusedByName) {
+  const test::TempDir folder;
+  folder.Write("_0.toml", "v = 1\n");
+  for (int k = 1; k <= 30; ++k) {
+    const std::string below = "\"_" + std::to_string(k - 1) + ".toml\"";
+    folder.Write("_" + std::to_string(k) + ".toml", "include = [" + below + ", " + below + "]\n");
+  }
+  Diagnostics diagnostics;
+  EXPECT_FALSE(LoadPlan((folder / "_30.toml").string(), {}, diagnostics));
+  EXPECT_NE(diagnostics.Format().find("includes take in more than 1000 files"), std::string::npos);
+  EXPECT_EQ(diagnostics.error_count(), 1) << diagnostics.Format();
+}
+
+/// What is said of a text that is to be read; empty: nothing.
+std::string FaultsOf(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  const test::TempDir folder;
+  Diagnostics diagnostics;
+  LoadPlan(folder.Write("a.toml", text), overrides, diagnostics);
+  return diagnostics.Format();
+}
+
+std::string Repeated(const std::string& text, int count) {
+  std::string out;
+  for (int k = 0; k < count; ++k) out += text;
+  return out;
+}
+
+TEST(Nesting, IsRefusedWhereItIsDeepHoweverItIsWritten) {
+  constexpr int kDeep = 30'000;
+  const std::string key = Repeated("a.", kDeep) + "a";
+  for (const std::string& text : {key + " = 1", "[" + key + "]", "[[" + key + "]]", "v = { " + key + " = 1 }",
+                                  Repeated("\"=\" . ", kDeep) + "a = 1", Repeated("'\"'.", kDeep) + "a = 1",
+                                  "v = " + Repeated("[", kDeep) + Repeated("]", kDeep),
+                                  "v = " + Repeated("{" + Repeated("a.", 90) + "a = ", 200) + "1" + Repeated("}", 200),
+                                  "t = \"\"\"\"\"\"\nb = '''a'''\n" + key + " = 1"}) {
+    const std::string faults = FaultsOf("x = 1\n" + text + "\n");
+    EXPECT_NE(faults.find("lie in one another"), std::string::npos) << text.substr(0, 60);
+    EXPECT_NE(faults.find(text.starts_with("t") ? "a.toml:4" : "a.toml:2"), std::string::npos) << text.substr(0, 60);
+  }
+  EXPECT_NE(FaultsOf("x = 1\n", {key + "=1"}).find("lie in one another"), std::string::npos);
+  EXPECT_NE(FaultsOf("x = 1\n", {"x={" + key + "=1}"}).find("lie in one another"), std::string::npos);
+}
+
+TEST(Nesting, IsNotCountedInTextsCommentsAndSideBySide) {
+  const std::string points = Repeated("a.", 200), numbers = Repeated("1.5, ", 500);
+  Load("# " + points + "\nt = \"" + points + "\"\nu = '" + points + "'\nw = \"\"\"\n" + points + "[[[\n" + points +
+       "\\\"\"\"\"\nv = [ " + numbers + "\n# [\n 1.5 ]\n" + Repeated("[[effect]]\nn = { a.b.c = [ 1 ] }\n", 200));
+}
+
+TEST(Messages, HoldNothingThatATerminalObeys) {
+  Diagnostics diagnostics;
+  const std::string name = "\x1b[2J\a\x7f\xc2\x9b\xe2\x80\xae\xef\xbb\xbf";
+  const SourceSpan where{"a" + name + ".toml", 1, 1, 1};
+  diagnostics.AddSource(where.file, "k = \"" + name + "\" # \xc2\xb5\xe2\x82\xac\t\r\n");
+  diagnostics.Error(where, "\"" + name + "\" is unknown", "not " + name);
+  const std::string shown = diagnostics.Format();
+  for (const char* const raw : {"\x1b", "\a", "\x7f", "\xc2\x9b", "\xe2\x80\xae", "\xef\xbb\xbf", "\r"})
+    EXPECT_EQ(shown.find(raw), std::string::npos) << shown;
+  EXPECT_NE(shown.find("\"\\x1b[2J\\x07\\x7f\\x9b\\u202e\\ufeff\" is unknown"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("\xc2\xb5\xe2\x82\xac\t\n"), std::string::npos) << "letters stay as they are";
+}
+
 TEST(Override, KeepsTheKindOfTheOldValue) {
   const Value root = Load("x = 2.0\nn = 3\nword = \"a\"\nflag = true\n", {"x=5", "n=7", "word=b c", "flag=false"});
   EXPECT_FALSE(root.Find("x")->is_integer()) << "2 for 2.0 is a number with a fraction";

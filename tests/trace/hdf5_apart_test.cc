@@ -14,6 +14,7 @@
 #include "tests/support/temp_dir.h"
 #include "tests/trace/hdf5_file.h"
 #include "tests/trace/mat_bytes.h"
+#include "trace/hdf5_record.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof::trace {
@@ -132,9 +133,37 @@ TEST(Apart, NoDamageAmongVariableTextsTouchesTheNumbers) {
       }
       EXPECT_EQ(trace->signals[0].values, right->signals[0].values) << at - heap;
       EXPECT_EQ(trace->time, right->time);
+      // A letter has no checksum, but no text gets lost.
+      EXPECT_EQ(trace->signals[0].unit.size(), right->signals[0].unit.size()) << at - heap;
+      EXPECT_EQ(trace->signals[0].description, right->signals[0].description) << at - heap;
     }
   }
   EXPECT_GT(refused, 20);
+}
+
+TEST(Apart, ATextThatTheFileDoesNotHoldIsNamedAndAnEmptyOneIsNone) {
+  const test::TempDir dir;
+  {
+    test::Hdf5File file(dir / "x.h5");
+    file.Numbers("time", {0, 1, 2});
+    file.Numbers("x", {4, 5, 6});
+    file.Text("x", "comment", "", /*variable=*/true);
+    file.Text("x", "unit", "N m", /*variable=*/true);
+    file.Numbers("y", {4, 5, 6});
+    file.Text("y", "unit", "", /*variable=*/true);
+  }
+  const Result<Record> right = ReadHdf5Record(dir / "x.h5");
+  ASSERT_TRUE(right.ok()) << right.failure().ToString();
+  EXPECT_EQ(right->columns[*right->Find("x")].unit, "N m");
+  EXPECT_EQ(right->columns[*right->Find("y")].unit, "");
+  std::string bytes = test::ReadBytes(dir / "x.h5");
+  const std::size_t text = bytes.find("N m", bytes.find("GCOL"));
+  ASSERT_NE(text, std::string::npos);
+  bytes[text - 16] = static_cast<char>(bytes[text - 16] + 9);  // its number in the heap
+  const Result<Record> lost = ReadHdf5Record(dir.Write("lost.h5", bytes));
+  ASSERT_FALSE(lost.ok());
+  EXPECT_EQ(lost.failure().exit_code, 2);
+  EXPECT_THAT(lost.failure().message, AllOf(HasSubstr("dataset \"/x\": attribute \"unit\""), HasSubstr("damaged")));
 }
 
 }  // namespace

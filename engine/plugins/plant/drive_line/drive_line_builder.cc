@@ -34,6 +34,7 @@ class DriveLineBuilder {
     if (bodies_.empty())
       Fault(table_.where(), "the drive line has no inertia", "add [plant.inertia] or [plant.rotor.NAME]");
     if (context_.diagnostics.error_count() == before) CheckConnected();
+    if (context_.diagnostics.error_count() == before) CheckRates();
     if (context_.diagnostics.error_count() != before) return nullptr;
     AddInitialState();
     if (context_.diagnostics.error_count() != before) return nullptr;
@@ -125,7 +126,43 @@ class DriveLineBuilder {
     known.emplace_back("law");
     BuildContext context{context_.registry, context_.diagnostics,     name, std::move(known), context_.period_s,
                          context_.seed,     params_.nominal_torque_Nm};
-    return context_.registry.MakeLaw(law != nullptr ? law->string() : fallback, table, context);
+    const std::string kind = law != nullptr ? law->string() : fallback;
+    std::unique_ptr<Law> made = context_.registry.MakeLaw(kind, table, context);
+    if (made == nullptr) return nullptr;
+    const std::string fault = FaultOf(*made);
+    if (fault.empty()) return made;
+    Fault(law != nullptr ? law->where() : table.where(), fmt::format("law \"{}\" of \"{}\" {}", kind, name, fault),
+          "mend the law or its parameters");
+    return nullptr;
+  }
+
+  /// What is wrong with a law's torque near rest. A law that says that it is linear is never asked during a run, so
+  /// nobody would see that it gives no number or another torque; one that never gives a number helps nobody.
+  static std::string FaultOf(const Law& law) {
+    if (law.is_linear() && !law.layout().states.empty()) {
+      const std::optional<DriveLine::LinearStates> found = FindLinearStates(law);
+      const bool numbers =
+          found->A.allFinite() && found->b_twist.allFinite() && found->b_rate.allFinite() && found->c.allFinite();
+      return numbers ? "" : "says that it is linear, but not all its rates and torques are numbers";
+    }
+    constexpr double kSmall = 0x1p-10;
+    bool any_number = false;
+    std::string fault;
+    for (const auto& [twist, rate] : {std::pair(0.0, 0.0), std::pair(kSmall, 0.0), std::pair(0.0, kSmall)}) {
+      std::vector<double> states(law.layout().states.size());
+      std::vector<int> modes(static_cast<std::size_t>(law.layout().modes));
+      law.Start(twist, rate, states, modes);
+      const double torque = law.Torque({0.0, twist, rate, 0.0, states, modes});
+      any_number = any_number || std::isfinite(torque);
+      fault = fmt::format("gives a torque of {} at a twist of {} rad and a rate of {} rad/s", torque, twist, rate);
+      if (!law.is_linear()) continue;
+      const SpringDamper linear = law.linear();
+      const double expected = linear.stiffness * twist + linear.damping * rate;
+      // Also a torque that is no number is not near.
+      if (!(std::abs(torque - expected) <= 1e-6 * std::abs(expected)))
+        return fmt::format("{}, and says that it is linear with {}", fault, expected);
+    }
+    return any_number ? "" : fault;
   }
 
   /// Adds one edge with that law's linear parts, or `share` of them.
@@ -293,6 +330,41 @@ class DriveLineBuilder {
             fmt::format("no shaft joins \"{}\" to the rest of the line", name),
             "add [plant.shaft.NAME] with between = [...]");
       return;
+    }
+  }
+
+  /// Numbers that are valid each by itself can make rates of which a number holds no square: infinities would follow.
+  void CheckRates() {
+    constexpr double kMost = 1e150;
+    const auto place = [&](const std::string& name) -> const SourceSpan& {
+      for (const char* section : {"inertia", "shaft", "load", "rotor"}) {
+        const Value* table = table_.Find(section);
+        if (table != nullptr && table->Find(name) != nullptr) return table->Find(name)->where();
+      }
+      return table_.where();
+    };
+    const std::vector<mechanics::Node>& nodes = line_->linear_.nodes;
+    for (const mechanics::Node& node : nodes) {
+      if (1.0 / node.inertia <= kMost) continue;
+      Fault(place(node.name),
+            fmt::format("\"{}\" has an inertia of {} kg m^2, too small to compute with", node.name, node.inertia),
+            "is the unit right?");
+      return;
+    }
+    for (const mechanics::Network* network : {&line_->linear_, &line_->linearised_}) {
+      for (const mechanics::Edge& edge : network->edges) {
+        for (const int end : {edge.from, edge.to}) {
+          if (end == kGround) continue;
+          const double stiff = std::abs(edge.stiffness) / nodes[end].inertia,
+                       damped = std::abs(edge.damping) / nodes[end].inertia;
+          if (stiff <= kMost && damped <= kMost) continue;
+          Fault(place(edge.name),
+                fmt::format("\"{}\" has a {} too large to compute with beside the inertia of \"{}\", {} kg m^2",
+                            edge.name, damped <= kMost ? "stiffness" : "damping", nodes[end].name, nodes[end].inertia),
+                "are the units right?");
+          return;
+        }
+      }
     }
   }
 
