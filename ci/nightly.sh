@@ -37,6 +37,10 @@ for name in O3 fma clang; do
 done
 step spread ./ci/spread.py "${builds[@]}"
 cat out/nightly/spread.log
+# Every scenario by either solver, whichever it names: golden traces, oracles and limits hold for both.
+for solver in realtime reference; do
+  step "solver-$solver" ./build/dynoproof run --solver "$solver" --out "out/nightly/$solver" --json "out/nightly/solver-$solver.json"
+done
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py --time --json out/nightly/budgets.json

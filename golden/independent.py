@@ -339,10 +339,12 @@ def pressures(v):
     m, k_s, c_s, A, rate = 0.5, 2e4, 400.0, 0.02, 518.0 * 300.0 / 0.02
     k_q = 10e5 / math.sqrt(2.0 * 518.0 * 300.0) * 0.02
     v["6.31-figure"] = A * k_q * rate * m / c_s
-    v["6.38-compared"] = 1e-3 * (k_s - v["6.31-figure"]) / c_s
+    v["6.38-compared"] = (k_s - v["6.31-figure"]) / c_s
     poles = np.roots([1.0, c_s / m, k_s / m, A * k_q * rate / m])
     v["6.30-fast"], v["6.30-slow"] = poles.real.min(), poles.real.max()
     v["6.30-slow-frequency"] = poles.imag.max()
+    swept, area = 0.9 * 0.02641706 * 209.44 / (4.0 * math.pi), 1e-5 + 9e-3 * (1.0 - math.cos(math.pi / 8.0))
+    v["6.14-alone"] = (swept / (area * math.sqrt(2.0 * 287.05 * 320.0))) ** 2
     x = np.linspace(1.0005, 6.0, 200001)
     choked = np.minimum(x, 1.2**3.5)
     isentropic = np.sqrt(7.0 * (choked ** (-2.0 / 1.4) - choked ** (-2.4 / 1.4)))

@@ -25,6 +25,11 @@ std::string LimitOf(const Check& check) {
   return (check.at_least ? "at least " : "") + Number(check.limit, check.unit);
 }
 
+/// The value of a check: as a person reads it, where it was told so.
+std::string ValueOf(const Check& check) {
+  return check.shown.empty() ? Number(check.value, check.unit) : Escape(check.shown);
+}
+
 std::string Badge(Verdict verdict) {
   return fmt::format("<span class=\"verdict {0}\">{0}</span>", score::ToString(verdict));
 }
@@ -42,7 +47,7 @@ std::string Overview(const std::vector<const ScenarioResult*>& results) {
                                   {fmt::format("{}", result->checks.size()), "number"},
                                   {fmt::format("{}", failed), "number"},
                                   {last, "wide"},
-                                  {worst != nullptr ? Number(worst->value, worst->unit) : "", "number"},
+                                  {worst != nullptr ? ValueOf(*worst) : "", "number"},
                                   {worst != nullptr ? LimitOf(*worst) : "", "number"}});
   }
   return Table(std::vector<Cell>{{"scenario"},
@@ -69,7 +74,7 @@ std::string ScoreCard(const ScenarioResult& result) {
     rows += Row(std::vector<Cell>{{Escape(check->name)},
                                   {Escape(check->kind)},
                                   {Badge(check->verdict)},
-                                  {Number(check->value, check->unit), "number"},
+                                  {ValueOf(*check), "number"},
                                   {LimitOf(*check), "number"},
                                   {Escape(origin), "wide"},
                                   {Escape(check->explanation), "wide"}});

@@ -42,6 +42,7 @@ int Failed(const ScenarioResult& result) {
 }
 
 std::string Limit(const Check& check) {
+  if (!check.shown.empty()) return check.shown;
   const std::string unit = check.unit == "1" ? "" : " " + check.unit;
   return fmt::format("{:.3g}{} ({} {:.3g}{})", check.value, unit, check.at_least ? "at least" : "limit", check.limit,
                      unit);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -26,7 +27,8 @@ const std::pair<const char*, const char*> kGroups[] = {{"budget/", "Budgets of t
 std::string Number(double value) { return fmt::format("{:.6g}", value); }
 
 std::string Change(const Finding& finding) {
-  if (finding.kind == Finding::Kind::kMissing) return "last was " + Number(finding.before);
+  if (finding.kind == Finding::Kind::kMissing)
+    return std::isfinite(finding.before) ? "last was " + Number(finding.before) : "no reading, nor ever one";
   const std::string share =
       finding.before == 0.0 ? "" : fmt::format(" ({:+.1f} %)", 100.0 * (finding.after / finding.before - 1.0));
   return fmt::format("{} → {}{}", Number(finding.before), Number(finding.after), share);

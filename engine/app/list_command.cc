@@ -255,6 +255,9 @@ int Validate(const Common& common, const std::vector<std::string>& names) {
       if (const std::unique_ptr<Prepared> prepared = Prepare(file, {}, *registry, own)) {
         ChecksApply(prepared->checks, prepared->plan, *prepared->rig, own);
         AddWarnings(*prepared, own);
+        // What drives the scenario is a part of it; `run` would fail.
+        const Value* record = prepared->plan.root.FindPath("record.file");
+        if (record != nullptr && !prepared->record_fault.empty()) own.Error(record->where(), prepared->record_fault);
       }
       nlohmann::json faults = nlohmann::json::array();
       for (const Diagnostic& item : own.items()) {

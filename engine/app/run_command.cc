@@ -214,7 +214,7 @@ void AddRun(CLI::App& program, int& exit) {
               "  dynoproof run r2r/soft_rotor_setup_1\n"
               "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
               "  dynoproof run backlash/experiment_1 --html out/report.html\n"
-              "  dynoproof run r2r/soft_rotor_setup_1 --set plant.inertia.I5=0.171 --solver reference\n"
+              "  dynoproof run diagnose/heavy_duty_lumped --set run.duration_s=0.5 --solver reference\n"
               "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");
   command->callback([arguments, &exit] { exit = Run(*arguments); });
 }

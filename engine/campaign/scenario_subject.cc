@@ -234,7 +234,7 @@ class ScenarioSubject : public Subject {
     bool judged = !result.checks.empty();
     row.verdict = judged ? score::Combine(result.checks) : Verdict::kPass;
     for (const score::Check& check : result.checks) {
-      row.Takes(check.value / check.limit,
+      row.Takes(check.at_least ? check.limit / check.value : check.value / check.limit,
                 fmt::format("{}: {:.6g}, limit {:.6g}", check.name, check.value, check.limit));
       if (check.verdict == Verdict::kPass || !row.why.empty()) continue;
       row.why = check.name + ": " +

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "campaign/table.h"
 #include "score/ranks.h"
@@ -138,14 +140,20 @@ Summary Summarise(const Campaign& campaign, const std::vector<Row>& rows, const 
 }
 
 std::vector<std::int64_t> WorstRuns(const std::vector<Row>& rows, std::size_t most) {
-  std::vector<std::int64_t> worst;
-  for (const Verdict verdict : {Verdict::kBroken, Verdict::kFail, Verdict::kInconclusive}) {
-    for (const Row& row : rows) {
-      if (worst.size() == most) return worst;
-      if (row.verdict == verdict) worst.push_back(row.run);
-    }
+  constexpr double kNoNumber = std::numeric_limits<double>::infinity();
+  const auto rank = [](const Row& row) {
+    const int verdict = row.verdict == Verdict::kBroken ? 0 : row.verdict == Verdict::kFail ? 1 : 2;
+    return std::tuple(verdict, std::isfinite(row.used) ? -row.used : -kNoNumber, row.run);
+  };
+  std::vector<const Row*> worst;
+  for (const Row& row : rows) {
+    if (row.verdict != Verdict::kPass) worst.push_back(&row);
   }
-  return worst;
+  std::ranges::sort(worst, {}, [&rank](const Row* row) { return rank(*row); });
+  worst.resize(std::min(most, worst.size()));
+  std::vector<std::int64_t> runs;
+  for (const Row* row : worst) runs.push_back(row->run);
+  return runs;
 }
 
 const Row* ClosestToItsLimit(const std::vector<Row>& rows) {

@@ -37,7 +37,8 @@ struct Summary {
 
 Summary Summarise(const Campaign& campaign, const std::vector<Row>& rows, const std::vector<Cost>& costs);
 
-/// Runs that did not pass, the worst first: broken, failing, inconclusive, each by their number; at most `most`.
+/// Runs that did not pass, the worst first: broken, failing, inconclusive; of these what never came to a number,
+/// then what takes most of its limit, then the lower number; at most `most`.
 std::vector<std::int64_t> WorstRuns(const std::vector<Row>& rows, std::size_t most);
 
 /// The run that takes up most of a limit; null where no run has a limit to take up.

@@ -151,6 +151,21 @@ void JudgeBetween(const Farthest& between, const std::string& unit, score::Check
       "{:.6g}{}{}",
       between.time_s, between.value, unit, between.low, between.high, check.explanation.empty() ? "" : "; ",
       check.explanation);
+  if (between.ratio < check.value) return;
+  const double outside = std::max(between.low - between.value, between.value - between.high);
+  check.shown =
+      fmt::format("{:.3g}{} outside at t = {:.6g} s", outside, unit.empty() ? "" : " " + unit, between.time_s);
+}
+
+/// The deviation where it takes most of what is allowed, in the unit of the signal: half-widths tell a person nothing.
+std::string WorstInItsUnit(const score::TubeResult& result, std::span<const double> wanted, double allowed,
+                           const std::string& unit) {
+  const auto at = std::find(result.time_s.begin(), result.time_s.end(), result.worst_time_s) - result.time_s.begin();
+  const auto i = static_cast<std::size_t>(at);
+  if (i >= result.test.size() || i >= wanted.size()) return "";
+  const std::string shown = unit.empty() ? "" : " " + unit;
+  return fmt::format("{:.3g}{} off at t = {:.6g} s ({:.3g}{} allowed)", std::abs(result.test[i] - wanted[i]), shown,
+                     result.worst_time_s, allowed, shown);
 }
 
 /// One signal that both traces have, in one unit.
@@ -216,6 +231,7 @@ class SignalComparison {
     const score::Series wanted{result.time_s, everywhere, reference.interpolation};
     const score::Series had{result.time_s, result.test, reference.interpolation};
     const double threshold = options.relative_width * options.nominal;
+    check.shown = WorstInItsUnit(result, everywhere, threshold, signal_.unit);
     check.explanation = Why(wanted, all != nullptr ? *all : had, threshold, signal_.unit, result.first->time_s) +
                         fmt::format("; allowed: {:.3g}{}{}", threshold, signal_.unit.empty() ? "" : " ", signal_.unit);
     if (options.time_half_width_s > 0.0) check.explanation += fmt::format(", {:.3g} s", options.time_half_width_s);

@@ -107,8 +107,19 @@ Result<MappedRecord> OpenRecord(const RecordSettings& settings, const std::strin
     return Failure{.message = std::move(why), .signal = file, .exit_code = 1};
   };
   const std::string hash = HashOf(file);
-  if (hash.empty()) return wrong("the record is missing or cannot be read");
-  if (hash != settings.hash) return wrong(fmt::format("the record is another one: its SHA-256 is {}", hash));
+  if (hash.empty()) {
+    return wrong(
+        fmt::format("the record \"{}\" is missing or cannot be read: put it beside the scenario, or mend "
+                    "file in [record]",
+                    settings.file));
+  }
+  if (hash != settings.hash) {
+    return wrong(
+        fmt::format("the record \"{}\" is another one than the scenario was written for: [record] expects the SHA-256 "
+                    "{}, the file has {}. Put the record back that was meant, or, if the new one is meant, write "
+                    "hash = \"{}\"",
+                    settings.file, settings.hash, hash, hash));
+  }
   Diagnostics diagnostics;
   std::optional<MappedRecord> mapped =
       OpenRecord(file, Beside(folder, settings.map), InputNames(rig), OutputNames(rig), diagnostics);

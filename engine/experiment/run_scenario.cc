@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include "base/cpu.h"
 #include "experiment/analysis.h"
@@ -154,6 +155,9 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     check.name = "record";
     check.kind = "record";
     check.explanation = prepared.record_fault;
+    check.value = check.limit = std::numeric_limits<double>::quiet_NaN();
+    check.shown = "not run: the record is not there as [record] has it";
+    check.origin = "file and hash of [record]";
     result.verdict = score::Combine(result.checks);
     return result;
   }

@@ -90,8 +90,27 @@ void AddBudget(const json& budget, std::vector<Reading>& readings) {
 struct Repetitions {
   std::vector<double> times_ns;     // of the single repetitions
   std::optional<double> median_ns;  // the program's own, of all of them
+  double announced = 0.0;           // how many repetitions its entries say there are
   bool failed = false;              // an entry that ended in an error, was skipped or has no time
 };
+
+/// A flag, whatever it is written as: true, 1, "true". What cannot be read as false counts as set.
+bool IsSet(const json& entry, const char* key) {
+  const auto found = entry.find(key);
+  if (found == entry.end() || found->is_null()) return false;
+  if (found->is_boolean()) return found->get<bool>();
+  if (found->is_number()) return found->get<double>() != 0.0;
+  return !found->is_string() || (*found != "" && *found != "false" && *found != "0");
+}
+
+/// Versions of the library differ in how they say that a benchmark ended early; a message without its flag, or no
+/// iteration at all, says the same. The time beside it is none.
+bool EndedEarly(const json& benchmark) {
+  for (const char* key : {"error_occurred", "error_message", "skipped", "skip_message"}) {
+    if (IsSet(benchmark, key)) return true;
+  }
+  return ValueOf(benchmark, "iterations") == 0.0;
+}
 
 void AddGoogle(const json& benchmarks, std::vector<Reading>& readings) {
   std::map<std::string, Repetitions> all;
@@ -103,8 +122,10 @@ void AddGoogle(const json& benchmarks, std::vector<Reading>& readings) {
     const bool is_single = benchmark.value("run_type", "iteration") != "aggregate";
     // A mean, a deviation or a growth with n is no reading beside a median, and its zero no fault.
     if (!is_single && benchmark.value("aggregate_name", "") != "median") continue;
+    if (!is_single && benchmark.value("aggregate_unit", "time") != "time") continue;  // a percentage is no time
+    if (is_single) of.announced = std::max(of.announced, ValueOf(benchmark, "repetitions").value_or(0.0));
     const std::optional<double> time = TimeOf(benchmark, "cpu_time", "time_unit");
-    const bool failed = benchmark.value("error_occurred", false) || benchmark.value("skipped", false);
+    const bool failed = EndedEarly(benchmark);
     of.failed = of.failed || failed || !time;
     if (failed || !time) continue;
     if (is_single) {
@@ -114,7 +135,10 @@ void AddGoogle(const json& benchmarks, std::vector<Reading>& readings) {
     }
   }
   for (const std::string& name : names) {
-    const Repetitions& of = all[name];
+    Repetitions& of = all[name];
+    // A program that died on the way leaves the repetitions that it made: no median of all.
+    const auto made = static_cast<double>(of.times_ns.size());
+    if (made > 0.0 && made < of.announced) of.failed = true;
     if (of.times_ns.empty() && !of.median_ns && !of.failed) continue;  // other aggregates alone
     const double median = of.median_ns ? *of.median_ns : score::Median(of.times_ns);
     readings.push_back(

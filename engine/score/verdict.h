@@ -41,6 +41,7 @@ struct Check {
   std::string explanation;  // what was seen
   bool at_least = false;    // the limit is the least: the check holds when value >= limit
   std::string stated = {};  // the kind of the [[check]] that made it, "golden"; empty: made without one
+  std::string shown = {};   // the value as a person reads it, in the signal's unit; empty: value and limit say it
   std::shared_ptr<const Evidence> evidence = {};  // what was compared; null where no two courses were
 };
 

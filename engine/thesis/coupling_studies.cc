@@ -113,18 +113,20 @@ Result<Figure> CouplingLever(const Registry&, const Value& parameters) {
                                          .spring = 78e3};
   const double derived = mechanics::FromGeometry(g).k_p;
   const std::string form = parameters.TextOr("form");
-  if (form == "printed") {
-    return Figure{g.segments * g.width * (0.5 * g.length * g.length + 2.0 * g.length * g.inner_radius) / derived, "1"};
-  }
-  if (form == "integral") {  // of the printed integrand w (r + y) dy by Simpson's rule, exact for it
+  // The printed integrand w (r + y) dy over a length l from `from` on, by Simpson's rule, exact for it.
+  const auto integral = [&g](double from) {
     const auto arm = [&g](double y) { return g.inner_radius + y; };
-    const double integral = g.length / 6.0 * (arm(0.0) + 4.0 * arm(0.5 * g.length) + arm(g.length));
-    return Figure{g.segments * g.width * integral / derived, "1"};
-  }
+    const double levers = arm(from) + 4.0 * arm(from + 0.5 * g.length) + arm(from + g.length);
+    return g.segments * g.width * g.length / 6.0 * levers;
+  };
+  const double printed = g.segments * g.width * (0.5 * g.length * g.length + 2.0 * g.length * g.inner_radius);
+  if (form == "printed") return Figure{printed / integral(0.0), "1"};
+  if (form == "limits") return Figure{printed / integral(g.inner_radius), "1"};
+  if (form == "integral") return Figure{integral(0.0) / derived, "1"};
   if (form == "power") {  // T_H w = N Dp dV/dt with (4.18)
     return Figure{g.segments * g.side_area() * g.lever() / derived, "1"};
   }
-  return Wrong("form is \"integral\", \"printed\" or \"power\"");
+  return Wrong("form is \"integral\", \"limits\", \"printed\" or \"power\"");
 }
 
 Result<Figure> CouplingReynolds(const Registry&, const Value& parameters) {

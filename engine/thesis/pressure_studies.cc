@@ -75,14 +75,13 @@ Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
   if (!regulator.ok()) return regulator.failure();
   const std::string figure = parameters.TextOr("figure");
   if (figure == "least_stiffness") return Figure{mechanics::LeastStiffness(*regulator), "N/m"};
-  if (figure == "integral_bound_per_ms") return Figure{1e-3 * mechanics::LargestIntegralGain(*regulator, 0.0), "1/ms"};
+  if (figure == "integral_bound") return Figure{mechanics::LargestIntegralGain(*regulator, 0.0), "1/s"};
   const auto roots = mechanics::PolynomialRoots(mechanics::RegulatorPolynomial(*regulator));
   if (!roots.ok()) return roots.failure();
   if (figure == "fast_pole") return Figure{roots->real().minCoeff(), "1/s"};
   if (figure == "slow_pole") return Figure{roots->real().maxCoeff(), "1/s"};
   if (figure == "slow_pole_frequency") return Figure{roots->imag().maxCoeff(), "1/s"};
-  return Wrong(
-      "needs a \"figure\": least_stiffness, integral_bound_per_ms, fast_pole, slow_pole or slow_pole_frequency");
+  return Wrong("needs a \"figure\": least_stiffness, integral_bound, fast_pole, slow_pole or slow_pole_frequency");
 }
 
 /// Where the eigenvalues cross the axis when one number is swept, over the printed bound.

@@ -140,6 +140,41 @@ Result<Figure> GasController(const Registry&, const Value& parameters) {
   return Figure{worst, "1"};
 }
 
+/// T_zero over omega_2 by (2.86), with k1 or another stiffness in the denominator, against the equation of motion of I1
+/// on its shaft: largest relative distance.
+Result<Figure> ZeroBlock(const Registry&, const Value& parameters) {
+  const double inner = AsPrinted(parameters) ? 2.0 * kK : kK;
+  Eigen::Matrix2cd A;  // of the twist of the shaft and the speed of I1
+  A << 0.0, 1.0, -kK / kI1, 0.0;
+  const Eigen::Vector2cd b(-1.0, 0.0);
+  double worst = 0.0;
+  for (double f = 1.0; f < 3000.0; f *= 1.3) {
+    const Complex s(0.0, kTurn * f);
+    const Complex motion = kK * (s * Eigen::Matrix2cd::Identity() - A).partialPivLu().solve(b)(0);
+    worst = std::max(worst, std::abs(-kK * s / (s * s + inner / kI1) / motion - 1.0));
+  }
+  return Figure{worst, "1"};
+}
+
+constexpr double kGapK = 50.0, kGapC = 0.4, kGapFree = 0.6, kAlpha = 0.02, kRate = 2.0;  // a shaft with play
+
+/// phi_b of (3.10) when contact on the right is lost, with the sign of (3.11) that its order of sides names, or the
+/// other one: distance from alpha over alpha.
+Result<Figure> GapConstant(const Registry&, const Value& parameters) {
+  const double sum = kGapC + kGapFree, start = kAlpha - kGapC / kGapK * kRate;  // (3.6) with omega_b = 0
+  const double p = kGapK / sum, q = kGapK / sum * start + kGapC / sum * kRate, r = kGapK / sum * kRate;
+  const double C = (AsPrinted(parameters) ? -kAlpha : kAlpha) + (r - p * q) / (p * p);
+  return Figure{((p * q - r) / (p * p) + C - kAlpha) / kAlpha, "1"};
+}
+
+/// The speed at the gap when contact on the left is lost, with phi_d - alpha or phi_d + alpha in the exponent of (3.14),
+/// over omega_d. The speed is the derivative of (3.10).
+Result<Figure> GapSides(const Registry&, const Value& parameters) {
+  const double start = -kAlpha - kGapC / kGapK * kRate;  // (3.6) with omega_b = 0
+  const double since = (start + (AsPrinted(parameters) ? -kAlpha : kAlpha)) / kRate + kGapC / kGapK;
+  return Figure{-std::expm1(-kGapK / (kGapC + kGapFree) * since), "1"};
+}
+
 }  // namespace
 
 std::map<std::string, Study, std::less<>> SlipStudies() {
@@ -147,11 +182,14 @@ std::map<std::string, Study, std::less<>> SlipStudies() {
           {"slip_cost_gradient", CostGradient},
           {"slip_differential_damping", DifferentialDamping},
           {"slip_exchange_matrix", ExchangeMatrix},
+          {"slip_gap_constant", GapConstant},
+          {"slip_gap_sides", GapSides},
           {"slip_gas_balance", GasBalance},
           {"slip_gas_controller", GasController},
           {"slip_goertzel", GoertzelRecursion},
           {"slip_lobe_fraction", LobeFraction},
-          {"slip_mixed_states", MixedStates}};
+          {"slip_mixed_states", MixedStates},
+          {"slip_zero_block", ZeroBlock}};
 }
 
 }  // namespace dynoproof

@@ -107,10 +107,20 @@ TEST_F(MeasurementAsCheck, AMissingOrChangedRecordFails) {
   Record(1.0);
   bench_.Write("measured.csv", ReadBytes(bench_ / "measured.csv") + "\n");
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(said_.Both(), HasSubstr("another one"));
+  // Which file, what was expected, what there is, what to do.
+  for (const std::string& text :
+       std::vector<std::string>{"\"measured.csv\" is another one", "expects the SHA-256 " + hash_.substr(0, 64),
+                                "the file has ", "write hash = \""}) {
+    EXPECT_THAT(said_.Both(), HasSubstr(text));
+  }
+  EXPECT_EQ(bench_.Call({"validate", "measured.toml"}).exit, 2) << "validate looks, too";
   std::filesystem::remove(bench_ / "measured.csv");
   EXPECT_EQ(Run(), 1);
   EXPECT_THAT(said_.Both(), HasSubstr("missing"));
+  const Outcome validated = bench_.Call({"validate", "measured.toml"});
+  EXPECT_EQ(validated.exit, 2);
+  EXPECT_THAT(validated.Both(), HasSubstr("\"measured.csv\" is missing"));
+  EXPECT_THAT(validated.Both(), HasSubstr("measured.toml:"));
 }
 
 TEST_F(MeasurementAsCheck, AnAcceptedGapExpires) {

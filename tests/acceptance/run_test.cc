@@ -235,6 +235,18 @@ TEST(Everything, HasHelpWithExamples) {
   EXPECT_EQ(bench.Call({"--version"}).exit, 0);
 }
 
+/// An example that fails as it is typed teaches that failing is usual.
+TEST(Help, TheExampleOfRunThatChangesAValuePassesAsTyped) {
+  const Bench bench;
+  const std::string help = bench.Call({"run", "--help"}).out;
+  const std::size_t set = help.find(" --set ", help.find("Examples:"));
+  ASSERT_NE(set, std::string::npos) << help;
+  const std::size_t begin = help.rfind("dynoproof ", set) + 10;
+  const std::string words = help.substr(begin, help.find('\n', set) - begin);
+  const Outcome run = bench.Call({"-c", "'" + std::string(DYNOPROOF_PROGRAM) + "' " + words}, {.program = "bash"});
+  EXPECT_EQ(run.exit, 0) << words << "\n" << run.Both();
+}
+
 TEST(NewScenario, PassesValidateAndRunAsItIs) {
   const Bench bench;
   ASSERT_EQ(bench.Call({"new", "scenario", "my_line"}).exit, 0);

@@ -44,6 +44,18 @@ TEST(CompareTraces, EqualTracesPassThinnedOrNot) {
   EXPECT_EQ(VerdictOf(thin, run), score::Verdict::kPass);
 }
 
+/// "5.4e+07 half-widths" tells a person nothing.
+TEST(CompareTraces, AFailureTellsTheWorstDeviationInTheSignalsUnitAndWhen) {
+  const trace::Trace run = Sine();
+  trace::Trace changed = run;
+  for (std::size_t i = 5000; i < 5010; ++i) changed.signals[0].values[i] += 25.0;
+  changed.signals[0].values[5005] += 5.0;
+  const std::vector<score::Check> checks = CompareTraces(run, changed, {}, "golden", ReferenceIs::kWhole);
+  ASSERT_EQ(checks.size(), 1u);
+  EXPECT_THAT(checks[0].shown, HasSubstr("30 N m off at t = 0.5005 s"));
+  EXPECT_THAT(checks[0].shown, HasSubstr("N m allowed"));
+}
+
 TEST(CompareTraces, WhatIsMissingExtraShortOrNaNFails) {
   const trace::Trace run = Sine(), golden = Thin(run, 20'000);
   trace::Trace changed = run;

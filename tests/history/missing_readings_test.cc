@@ -51,6 +51,35 @@ TEST(GoogleReadings, OneRepetitionThatFailedLeavesNoMedian) {
   EXPECT_EQ(readings[1].value, 9.0);
 }
 
+TEST(GoogleReadings, WhateverSaysThatABenchmarkEndedEarlyIsHeard) {
+  for (const json& beside : std::vector<json>{{{"error_message", "solver failed"}},
+                                              {{"skip_message", "no such machine"}},
+                                              {{"error_occurred", 1}},
+                                              {{"skipped", "true"}},
+                                              {{"iterations", 0}}}) {
+    json entry = Entry("a", 12.0);
+    entry.update(beside);
+    EXPECT_FALSE(Read(Google({entry}))[0].value) << beside;
+  }
+  json fine = Entry("a", 12.0);
+  fine.update({{"error_occurred", 0}, {"skipped", "false"}, {"error_message", ""}, {"iterations", 1000}});
+  EXPECT_EQ(Read(Google({fine}))[0].value, 12.0);
+}
+
+TEST(GoogleReadings, FewerRepetitionsThanAnnouncedLeaveNoMedian) {
+  std::vector<json> entries(3, Entry("a", 12.0));
+  for (json& entry : entries) entry["repetitions"] = 3;
+  EXPECT_EQ(Read(Google(entries))[0].value, 12.0);
+  entries.pop_back();
+  EXPECT_FALSE(Read(Google(entries))[0].value);
+}
+
+TEST(GoogleReadings, AMedianOfAPercentageIsNoTime) {
+  json percentage = Entry("a", 0.03);
+  percentage.update({{"run_type", "aggregate"}, {"aggregate_name", "median"}, {"aggregate_unit", "percentage"}});
+  EXPECT_EQ(Read(Google({Entry("a", 12.0), percentage}))[0].value, 12.0);
+}
+
 TEST(GoogleReadings, AreInNanosecondsWhateverTheUnit) {
   for (const auto& [time, unit] : {std::pair{1500.0, "ns"}, {1.5, "us"}, {1.5e-3, "ms"}, {1.5e-6, "s"}}) {
     const Reading reading = Read(Google({Entry("a", time, unit)}))[0];

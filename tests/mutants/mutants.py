@@ -3,9 +3,10 @@
 
 mutants.py list                    name, file and compiled unit of each fault, for CMakeLists.txt
 mutants.py make NAME OUT           the file with the fault in it; fails unless the text to be replaced occurs exactly once
-mutants.py run --program FILE --mutants FOLDER [--jobs N] [NAME ...]
+mutants.py run --program FILE --mutants FOLDER [--jobs N] [--readme check|write] [NAME ...]
     runs the sound program and each faulty one over its scenario and prints the table of README.md. Ends with 0 when the
-    sound one passes everywhere and every fault fails the check that is to catch it."""
+    sound one passes everywhere and every fault fails the check that is to catch it. --readme check: and when that table
+    is the one of README.md but for the values, which differ between machines; --readme write puts it there."""
 import argparse
 import concurrent.futures
 import json
@@ -80,6 +81,29 @@ def judge(mutant, code, result):
             f"{len(failing)} of {len(checks)}"], fault
 
 
+HEAD = "| fault | in | scenario | check that catches it | value (limit) | failing checks |"
+
+
+def written():
+    """README.md's lines, and where its table begins and ends."""
+    lines = (HERE / "README.md").read_text().splitlines()
+    begin = lines.index(HEAD)
+    return lines, begin, next(i for i in range(begin, len(lines) + 1) if i == len(lines) or not lines[i].startswith("|"))
+
+
+def write(table):
+    lines, begin, end = written()
+    (HERE / "README.md").write_text("\n".join(lines[:begin] + table + lines[end:]) + "\n")
+
+
+def stale(table):
+    """The rows that README.md has otherwise, the column of the values apart."""
+    lines, begin, end = written()
+    plain = lambda row: [cell for i, cell in enumerate(row.split(" | ")) if i != 4]
+    there = [plain(row) for row in lines[begin:end]]
+    return [f"README.md has not this row, write it by `run --readme write`: {row}" for row in table if plain(row) not in there]
+
+
 def run(options):
     chosen = [one for one in mutants() if not options.names or one["name"] in options.names]
     plays = {("sound", one["scenario"], tuple(one.get("set", []))) for one in chosen}
@@ -93,12 +117,17 @@ def run(options):
         outcomes = {key: job.result() for key, job in jobs.items()}
     faults = [f"the sound program ends with {outcomes[key][0]} in {key[1]} {' '.join(key[2])}"
               for key in sorted(plays) if key[0] == "sound" and outcomes[key][0] != 0]
-    print("| fault | in | scenario | check that catches it | value (limit) | failing checks |\n|---|---|---|---|---|---|")
+    table = [HEAD, "|---|---|---|---|---|---|"]
     for one in chosen:
         row, fault = judge(one, *outcomes[(one["name"], one["scenario"], tuple(one.get("set", [])))])
-        print("| " + " | ".join(row) + " |")
+        table.append("| " + " | ".join(row) + " |")
         if fault:
             faults.append(f"{one['name']} in {one['scenario']}: {fault}")
+    print("\n".join(table))
+    if options.readme == "write":
+        write(table)
+    elif options.readme == "check":
+        faults += stale(table)
     if not chosen:
         faults.append("no fault was seeded: nothing is proved")
     for fault in faults:
@@ -117,6 +146,7 @@ def main():
     runner.add_argument("--program", required=True)
     runner.add_argument("--mutants", required=True)
     runner.add_argument("--jobs", type=int, default=os.cpu_count())
+    runner.add_argument("--readme", choices=["check", "write"])
     runner.add_argument("names", nargs="*")
     options = parser.parse_args()
     if options.command == "list":

@@ -29,6 +29,17 @@ ScenarioResult Result(const std::string& id, score::Verdict verdict, int checks,
   return result;
 }
 
+TEST(Cards, TellTheValueInTheSignalsUnitWhereItIsKnown) {
+  ScenarioResult result = Result("s", score::Verdict::kFail, 1, "");
+  result.checks[0].value = 5.4e7;
+  result.checks[0].unit = "half-widths";
+  result.checks[0].shown = "30 N m off at t = 0.5 s (1e-06 N m allowed)";
+  for (const std::string& text : {ToTable({result}, false), ToCards({result}, {{"s", "dynoproof run s"}}, false)}) {
+    EXPECT_THAT(text, HasSubstr("30 N m off at t = 0.5 s"));
+    EXPECT_THAT(text, Not(HasSubstr("half-widths")));
+  }
+}
+
 TEST(Markdown, HasTheWorstFirstAndNoMarkupOfOthers) {
   const std::string text = ToMarkdown({Result("fine", score::Verdict::kPass, 1, ""),
                                        Result("short", score::Verdict::kFail, 1, "a|b <script>\nnext line")});
