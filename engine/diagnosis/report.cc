@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -69,7 +70,7 @@ json ToJson(const Diagnosis& d) {
               {"refitted", json::array()},
               {"holdout_records", d.own_holdout},
               {"notes", d.notes},
-              {"simulations", std::ceil(d.simulations)},
+              {"simulations", static_cast<std::int64_t>(std::ceil(d.simulations))},
               {"search_complete", d.search_complete}};
   for (const FoundEffect& effect : d.effects) {
     json parameters = json::object();
