@@ -8,35 +8,13 @@
 #include <string_view>
 #include <tuple>
 
+#include "base/text_safety.h"
+
 namespace dynoproof {
 namespace {
 
-/// A text whose bytes a terminal obeys (control characters, marks of direction, separators of lines) are shown instead:
-/// names come from files, and a file must not write what looks like another message. Ends of lines and tabs stay.
-std::string Shown(std::string_view text) {
-  std::string shown;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const auto byte = [&](std::size_t i) -> unsigned {
-      return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
-    };
-    const unsigned first = byte(k), second = byte(k + 1), third = byte(k + 2);
-    const unsigned code = first == 0xC2 ? second : (first & 0xF) << 12 | (second & 0x3F) << 6 | (third & 0x3F);
-    const bool three = (first & 0xF0) == 0xE0;
-    if ((first < 0x20 && first != '\n' && first != '\t') || first == 0x7F) {
-      shown += fmt::format("\\x{:02x}", first);
-    } else if (first == 0xC2 && code < 0xA0) {
-      shown += fmt::format("\\x{:02x}", code);
-      k += 1;
-    } else if (three && ((code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||
-                         (code >= 0x2060 && code <= 0x206F) || code == 0xFEFF)) {
-      shown += fmt::format("\\u{:04x}", code);
-      k += 2;
-    } else {
-      shown += text[k];
-    }
-  }
-  return shown;
-}
+/// Names come from files, and a file must not write what looks like another message. Ends of lines and tabs stay.
+std::string AsMessage(std::string_view text) { return WithoutControls(text, "\n\t"); }
 
 }  // namespace
 
@@ -94,19 +72,19 @@ std::string Diagnostics::Format(bool colour) const {
     const Diagnostic& item = items_[index];
     const bool error = item.severity == Diagnostic::Severity::kError;
     if (item.where.known()) {
-      text += fmt::format("{}:{}:{}: ", Shown(item.where.file), item.where.line, item.where.column);
+      text += fmt::format("{}:{}:{}: ", AsMessage(item.where.file), item.where.line, item.where.column);
     } else if (!item.where.file.empty()) {
-      text += Shown(item.where.file) + ": ";
+      text += AsMessage(item.where.file) + ": ";
     }
-    text += paint(error ? "1;31" : "1;33", error ? "error" : "warning") + ": " + Shown(item.message) + "\n";
+    text += paint(error ? "1;31" : "1;33", error ? "error" : "warning") + ": " + AsMessage(item.message) + "\n";
     const auto source = sources_.find(item.where.file);
     const bool quoted =
         item.where.known() && source != sources_.end() && item.where.line <= static_cast<int>(source->second.size());
     const std::string tail =
-        Shown(item.hint + (item.more.empty() ? "" : (item.hint.empty() ? "" : "   ") + ("more: " + item.more)));
+        AsMessage(item.hint + (item.more.empty() ? "" : (item.hint.empty() ? "" : "   ") + ("more: " + item.more)));
     if (quoted) {
       const std::string& line = source->second[item.where.line - 1];
-      text += fmt::format("{:>5} | {}\n", item.where.line, Shown(line));
+      text += fmt::format("{:>5} | {}\n", item.where.line, AsMessage(line));
       // Tabs stay tabs in the marker line so that it lines up whatever the terminal's tab width.
       std::string pad;
       for (int i = 0; i + 1 < item.where.column; ++i) {

@@ -164,7 +164,7 @@ class Mapper {
     raw_.push_back(std::move(raw));
   }
 
-  /// What the stamps say; most channels share those of the one before.
+  /// The time base of the stamps, computed once where a channel shares the stamps of the one before, as most do.
   const trace::TimeBase& BaseOf(std::vector<double> stamps, double unit_s) {
     if (stamps != last_stamps_ || unit_s != last_unit_s_) {
       last_base_ = trace::TimeBaseOf(stamps, unit_s);

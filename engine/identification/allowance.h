@@ -1,5 +1,5 @@
-// What a search may spend. Whoever simulates counts, and whoever could go on asks: a search that has spent its allowance
-// ends with the best that it has.
+// The limit of simulations and CPU time of a search. Each simulation is counted here, and each loop of the search asks here
+// before its next turn: a search that has spent its allowance ends with the best fit that it has.
 #pragma once
 
 #include <atomic>

@@ -49,7 +49,7 @@ std::string StartOfRecord(std::size_t record);
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
-/// What all problems of one search have in common, whatever part of the records they are about.
+/// The decompositions and the allowance that all problems of one search share, on whichever part of the records.
 struct SearchContext {
   std::shared_ptr<mechanics::Decompositions> decompositions = std::make_shared<mechanics::Decompositions>();
   std::shared_ptr<Allowance> allowance = std::make_shared<Allowance>();

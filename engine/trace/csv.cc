@@ -10,13 +10,13 @@
 #include <system_error>
 #include <utility>
 
+#include "base/text_safety.h"
 #include "trace/csv_cells.h"
 #include "trace/csv_cut.h"
 #include "trace/csv_layout.h"
 #include "trace/csv_table.h"
 #include "trace/csv_text.h"
 #include "trace/lvm.h"
-#include "trace/text_safety.h"
 
 namespace dynoproof::trace {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "trace/text_safety.h"
+#include "base/text_safety.h"
 
 namespace dynoproof::trace::csv {
 

@@ -6,9 +6,9 @@
 #include <cctype>
 #include <utility>
 
+#include "base/text_safety.h"
 #include "trace/csv_table.h"
 #include "trace/csv_text.h"
-#include "trace/text_safety.h"
 
 namespace dynoproof::trace::csv {
 namespace {

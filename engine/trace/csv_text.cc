@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "trace/text_safety.h"
+#include "base/text_safety.h"
 
 namespace dynoproof::trace::csv {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "base/text_safety.h"
 #include "trace/csv_text.h"
-#include "trace/text_safety.h"
 
 namespace dynoproof::trace::csv {
 namespace {

@@ -16,7 +16,7 @@ constexpr double kNoise = 0.003;  // of each signal
 
 class Horizon : public LumpedLine {
  protected:
-  /// Of a record of a line that no engine code simulated, with noise.
+  /// The horizon of the plan on a noisy record, which a simulation of `line` outside the engine has made.
   PredictionHorizon Of(const blind::IndependentLine& line) const {
     const Result<std::optional<PredictionHorizon>> horizon =
         PredictionHorizonOf(*plan_, LineRecord(line, blind::IndependentTorque(7001, 7), kNoise), registry_);

@@ -1,4 +1,4 @@
-// What a page calls the worst, and what it says of a series that never had a reading.
+// The order of the worst runs on a sweep page, and the text for a series without any reading on the trend page.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -135,7 +135,7 @@ TEST(Include, ThatDoublesAtEachLevelIsRefusedByName) {
   EXPECT_EQ(diagnostics.error_count(), 1) << diagnostics.Format();
 }
 
-/// What is said of a text that is to be read; empty: nothing.
+/// The diagnostics of reading a scenario text; empty: it has no fault.
 std::string FaultsOf(const std::string& text, const std::vector<std::string>& overrides = {}) {
   const test::TempDir folder;
   Diagnostics diagnostics;

@@ -136,7 +136,7 @@ class DriveLineBuilder {
     return nullptr;
   }
 
-  /// What is wrong with a law's torque near rest. A law that says that it is linear is never asked during a run, so
+  /// A sentence that names the fault of a law's torque near rest; empty: there is none. A law that says that it is linear is never asked during a run, so
   /// nobody would see that it gives no number or another torque; one that never gives a number helps nobody.
   static std::string FaultOf(const Law& law) {
     if (law.is_linear() && !law.layout().states.empty()) {

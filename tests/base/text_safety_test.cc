@@ -1,8 +1,8 @@
-#include "trace/text_safety.h"
+#include "base/text_safety.h"
 
 #include <gtest/gtest.h>
 
-namespace dynoproof::trace {
+namespace dynoproof {
 namespace {
 
 TEST(TextSafety, TellsUtf8) {
@@ -44,4 +44,4 @@ TEST(TextSafety, CutsBetweenCharacters) {
 }
 
 }  // namespace
-}  // namespace dynoproof::trace
+}  // namespace dynoproof

@@ -1,4 +1,4 @@
-#include "trace/text_safety.h"
+#include "base/text_safety.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace dynoproof::trace {
+namespace dynoproof {
 namespace {
 
 struct Decoded {
@@ -77,11 +77,11 @@ std::string ToUtf8(std::string_view text) {
   return result;
 }
 
-std::string WithoutControls(std::string_view text) {
+std::string WithoutControls(std::string_view text, std::string_view kept) {
   std::string result;
   while (!text.empty()) {
     const Decoded next = FirstOf(text).value_or(Decoded{static_cast<unsigned char>(text.front()), 1});
-    if (!IsControl(next.code)) {
+    if (!IsControl(next.code) || kept.find(text.front()) != std::string_view::npos) {
       result += text.substr(0, next.bytes);
     } else if (next.code < 0x100) {
       result += fmt::format("\\x{:02x}", next.code);
@@ -102,4 +102,4 @@ std::string Shown(std::string_view text) {
   return fmt::format("\"{}\"{}", WithoutControls(start), rest.empty() ? "" : "...");
 }
 
-}  // namespace dynoproof::trace
+}  // namespace dynoproof

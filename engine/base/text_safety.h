@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace dynoproof::trace {
+namespace dynoproof {
 
 bool IsUtf8(std::string_view text);
 
@@ -12,9 +12,10 @@ bool IsUtf8(std::string_view text);
 std::string ToUtf8(std::string_view text);
 
 /// Control characters and those that turn the direction of writing, written out: a terminal must not obey a file.
-std::string WithoutControls(std::string_view text);
+/// Those in `kept` stay.
+std::string WithoutControls(std::string_view text, std::string_view kept = "");
 
 /// `text` in quotes for a message: UTF-8, at most 40 characters, nothing a terminal obeys.
 std::string Shown(std::string_view text);
 
-}  // namespace dynoproof::trace
+}  // namespace dynoproof
