@@ -25,9 +25,10 @@ std::string LimitOf(const Check& check) {
   return (check.at_least ? "at least " : "") + Number(check.limit, check.unit);
 }
 
-/// The value of a check: as a person reads it, where it was told so.
-std::string ValueOf(const Check& check) {
-  return check.shown.empty() ? Number(check.value, check.unit) : Escape(check.shown);
+/// The value of a check: a number in one line, or the sentence that a person reads, which may take several.
+Cell ValueOf(const Check& check) {
+  if (check.shown.empty()) return {Number(check.value, check.unit), "number"};
+  return {Escape(check.shown), "wide"};
 }
 
 std::string Badge(Verdict verdict) {
@@ -47,7 +48,7 @@ std::string Overview(const std::vector<const ScenarioResult*>& results) {
                                   {fmt::format("{}", result->checks.size()), "number"},
                                   {fmt::format("{}", failed), "number"},
                                   {last, "wide"},
-                                  {worst != nullptr ? ValueOf(*worst) : "", "number"},
+                                  worst != nullptr ? ValueOf(*worst) : Cell{""},
                                   {worst != nullptr ? LimitOf(*worst) : "", "number"}});
   }
   return Table(std::vector<Cell>{{"scenario"},
@@ -74,7 +75,7 @@ std::string ScoreCard(const ScenarioResult& result) {
     rows += Row(std::vector<Cell>{{Escape(check->name)},
                                   {Escape(check->kind)},
                                   {Badge(check->verdict)},
-                                  {ValueOf(*check), "number"},
+                                  ValueOf(*check),
                                   {LimitOf(*check), "number"},
                                   {Escape(origin), "wide"},
                                   {Escape(check->explanation), "wide"}});
