@@ -18,6 +18,7 @@ MAY_INCLUDE = {
     "score": ["base"],
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "linear", "base", "control10k"],
+    "estimation": ["experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "identification": ["experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "diagnosis": ["identification", "experiment", "scenario", "sim", "trace", "score", "model", "linear", "base"],
     "history": ["score", "base"],

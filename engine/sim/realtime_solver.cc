@@ -84,6 +84,55 @@ class RealtimeSolver : public Solver {
     Renew(frame);
   }
 
+  /// In the solver's own coordinates, so that a correction costs two additions a state and error.
+  class ModalCorrection : public Correction {
+   public:
+    ModalCorrection(RealtimeSolver& solver, const std::vector<std::vector<double>>& gains) : solver_(solver) {
+      for (const std::vector<double>& change : gains) {
+        Eigen::VectorXd x, p;
+        solver.group_.FromStates(change, x, p);
+        mechanics::AlignedVector& modal = modal_.emplace_back(static_cast<std::size_t>(solver.form_.state_size()), 0.0);
+        solver.form_.SetState(x, p, modal);
+        std::vector<Own>& own = own_.emplace_back();
+        for (const int index : solver.roles_.nonlinear)
+          AddOwn(solver.rig_.blocks[index].first_state, solver.rig_.blocks[index].states(), change, own);
+        for (const auto& channel : solver.group_.channels) AddOwn(channel.state, channel.states, change, own);
+      }
+    }
+
+    void Apply(Frame& frame, std::span<const double> errors) override {
+      for (std::size_t j = 0; j < modal_.size(); ++j) {
+        const double error = errors[j];
+        if (error == 0.0) continue;
+        const double* gain = modal_[j].data();
+        for (std::size_t i = 0; i < modal_[j].size(); ++i) frame.solver[i] += gain[i] * error;
+        for (const Own& own : own_[j]) frame.states[own.state] += own.gain * error;
+      }
+      if (!solver_.exact_) solver_.Renew(frame);
+    }
+
+   private:
+    struct Own {  // a state that is not carried in modal coordinates
+      std::size_t state;
+      double gain;
+    };
+    static void AddOwn(int first, int count, const std::vector<double>& change, std::vector<Own>& own) {
+      for (int i = first; i < first + count; ++i) {
+        if (change[i] != 0.0) own.push_back({static_cast<std::size_t>(i), change[i]});
+      }
+    }
+
+    RealtimeSolver& solver_;
+    std::vector<mechanics::AlignedVector> modal_;  // by error
+    std::vector<std::vector<Own>> own_;
+  };
+
+  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) override {
+    return std::make_unique<ModalCorrection>(*this, gains);
+  }
+
+  bool linear() const override { return exact_; }
+
   Status Advance(Frame& frame, int index) override {
     const Step& step = steps_[index];
     const double begin_s = Seconds(frame.time) + rig_.intervals[index].begin * Seconds(rig_.period);

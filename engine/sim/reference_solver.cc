@@ -97,6 +97,25 @@ class ReferenceSolver : public Solver {
     for (std::size_t i = 0; i < change.size(); ++i) frame.states[i] += change[i];
   }
 
+  class StateCorrection : public Correction {
+   public:
+    explicit StateCorrection(std::vector<std::vector<double>> gains) : gains_(std::move(gains)) {}
+    void Apply(Frame& frame, std::span<const double> errors) override {
+      for (std::size_t j = 0; j < gains_.size(); ++j) {
+        for (std::size_t i = 0; i < gains_[j].size(); ++i) frame.states[i] += gains_[j][i] * errors[j];
+      }
+    }
+
+   private:
+    std::vector<std::vector<double>> gains_;
+  };
+
+  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) override {
+    return std::make_unique<StateCorrection>(gains);
+  }
+
+  bool linear() const override { return false; }
+
   void Evaluate(Frame& frame, double time_s) override {
     EvaluateBlocks(rig_, time_s, frame.states, frame.modes, frame.signals);
   }

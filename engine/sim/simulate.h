@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,8 @@ class Simulation {
   Status Start();
   /// Steps 1 to 4 of the present tick.
   Status Tick();
+  /// Between 4 and 5: the states by what the samples miss.
+  void Correct(Correction& correction, std::span<const double> errors) { correction.Apply(frame_, errors); }
   /// Step 5.
   Status Integrate();
 

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/status.h"
 #include "sim/rig.h"
@@ -15,6 +17,14 @@ namespace dynoproof {
 namespace mechanics {
 class Decompositions;
 }
+
+/// Corrects the states of a run between ticks by what its outputs miss of a record, as an observer does.
+class Correction {
+ public:
+  virtual ~Correction() = default;
+  /// states += gains errors; modes stay. `errors`: one a column of the gains. Allocates nothing.
+  virtual void Apply(Frame& frame, std::span<const double> errors) = 0;
+};
 
 class Solver {
  public:
@@ -30,6 +40,10 @@ class Solver {
   /// stay. For who estimates the state of a machine from its measured outputs.
   virtual std::vector<double> States(const Frame& frame) const = 0;
   virtual void Shift(Frame& frame, const std::vector<double>& change) = 0;
+  /// `gains`: by error, the change of each state of Rig::state_ports. The solver outlives the correction.
+  virtual std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) = 0;
+  /// Whether the states move linearly: nothing is in the rig that this solver does not carry exactly.
+  virtual bool linear() const = 0;
   /// Writes every continuous signal at the present states, for the instant `time_s`.
   virtual void Evaluate(Frame& frame, double time_s) = 0;
 

@@ -1,0 +1,73 @@
+#include "estimation/data_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "experiment/drive_by_record.h"
+#include "score/series.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+constexpr double kLeastNoise = 1e-4;  // of the spread
+
+/// The rows up to `end_s`.
+Series Until(const Series& series, double end_s) {
+  const auto rows = std::upper_bound(series.time->begin(), series.time->end(), end_s) - series.time->begin();
+  if (rows == std::ssize(*series.time)) return series;
+  return {std::make_shared<const std::vector<double>>(series.time->begin(), series.time->begin() + rows),
+          std::make_shared<const std::vector<double>>(series.values->begin(), series.values->begin() + rows)};
+}
+
+}  // namespace
+
+double WhiteNoise(const std::vector<double>& values) {
+  constexpr int kOrder = 6;
+  constexpr double kGain = 30.397;            // sqrt(924): the sum of the squared binomial coefficients
+  constexpr double kNormalMedian = 0.674490;  // of the magnitude of a normal deviate
+  if (values.size() <= kOrder) return 0.0;
+  std::vector<double> d = values;
+  for (int order = 0; order < kOrder; ++order) {
+    for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
+    d.pop_back();
+  }
+  for (double& value : d) value = std::abs(value);
+  return score::Median(d) / kGain / kNormalMedian;
+}
+
+DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options)
+    : records_(std::move(records)) {
+  std::vector<double> measured;
+  for (std::size_t r = 0; r < records_.size(); ++r) {
+    MappedRecord& record = records_[r];
+    record = OntoClock(std::move(record), plan);
+    record.end_s = std::min(record.end_s, options.most_s);
+    for (auto* signals : {&record.inputs, &record.outputs}) {
+      for (auto& [name, series] : *signals) series = Until(series, record.end_s);
+    }
+    for (const auto& [name, series] : record.outputs) {
+      const std::vector<double>&t = *series.time, &y = *series.values;
+      const auto first = std::lower_bound(t.begin(), t.end(), options.from_s) - t.begin();
+      Eigen::Index every = 1;
+      while ((std::ssize(t) - first) / every > options.most_rows) ++every;
+      Channel channel{r,
+                      name,
+                      plan.root.TextOr("output." + name + ".unit", "1"),
+                      score::StandardDeviation(y),
+                      0.0,
+                      std::ssize(measured),
+                      0};
+      channel.noise = std::max({WhiteNoise(y), kLeastNoise * channel.spread, 1e-300});
+      for (auto i = first; i < std::ssize(t); i += every) {
+        measured.push_back(y[static_cast<std::size_t>(i)]);
+        time_s_.push_back(t[static_cast<std::size_t>(i)]);
+      }
+      channel.count = std::ssize(measured) - channel.begin;
+      channels_.push_back(std::move(channel));
+    }
+  }
+  measured_ = Eigen::Map<const Eigen::VectorXd>(measured.data(), std::ssize(measured));
+}
+
+}  // namespace dynoproof::estimation

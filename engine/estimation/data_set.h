@@ -1,0 +1,53 @@
+// What was measured, as an estimator compares it: the outputs of all records, channel behind channel, in one vector.
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "experiment/records.h"
+#include "model/plan.h"
+
+namespace dynoproof::estimation {
+
+/// One measured output of one record: rows [begin, begin + count) of the vector.
+struct Channel {
+  std::size_t record = 0;
+  std::string name, unit;
+  double spread = 0.0;  // standard deviation of the signal
+  /// Standard deviation of its white noise, as differences of the sixth order show it; at least 1e-4 of the spread, which is
+  /// what a simulation is good for.
+  double noise = 0.0;
+  Eigen::Index begin = 0, count = 0;
+};
+
+class DataSet {
+ public:
+  /// `records`: of the scenario `plan`; they are brought onto its clock. Every `every`-th row is compared, up to `most_s` of
+  /// each record, and `from_s` of it at the earliest.
+  struct Options {
+    double from_s = 0.0, most_s = 1e300;
+    Eigen::Index most_rows = 1'000'000'000;  // of a channel: every other row goes until no more are left
+  };
+  DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options);
+  DataSet(std::vector<MappedRecord> records, const Plan& plan) : DataSet(std::move(records), plan, Options()) {}
+
+  /// With all rows, up to the last one that is compared: they correct a run.
+  const std::vector<MappedRecord>& records() const { return records_; }
+  const std::vector<Channel>& channels() const { return channels_; }
+  const Eigen::VectorXd& measured() const { return measured_; }
+  /// Of each row [s].
+  const std::vector<double>& time_s() const { return time_s_; }
+
+ private:
+  std::vector<MappedRecord> records_;
+  std::vector<Channel> channels_;
+  Eigen::VectorXd measured_;
+  std::vector<double> time_s_;
+};
+
+/// Standard deviation of the white noise on a signal. Differences of the sixth order leave next to nothing of motion below
+/// a tenth of the sampling rate; their median does not see impacts. 0 for fewer than seven samples.
+double WhiteNoise(const std::vector<double>& values);
+
+}  // namespace dynoproof::estimation

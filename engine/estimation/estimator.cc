@@ -1,0 +1,211 @@
+#include "estimation/estimator.h"
+
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace dynoproof::estimation {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
+constexpr double kLeastPower = 0.1;    // of s^2, below which the scale does not fall with the noise
+constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
+
+/// What is kept of one simulated point.
+struct Point {
+  VectorXd q, innovations, noise_alone;
+};
+
+class Residual : public ceres::CostFunction {
+ public:
+  Residual(const Hypothesis& hypothesis, const Predictor& predictor) : hypothesis_(hypothesis), predictor_(predictor) {
+    rows_ = predictor.data().measured().size();
+    for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
+      if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
+    }
+    set_num_residuals(static_cast<int>(rows_ + std::ssize(priors_)));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(hypothesis.parameters().size()));
+  }
+
+  /// Simulates, or gives what was simulated last.
+  std::optional<Point> At(const VectorXd& q) const {
+    if (last_ && last_->q == q) return last_;
+    const Plan plan = hypothesis_.At(q);
+    Result<VectorXd> innovations = predictor_.Innovations(plan);
+    if (!innovations.ok()) {
+      broken_ = innovations.failure().ToString();
+      return std::nullopt;
+    }
+    last_ = Point{q, *std::move(innovations), predictor_.NoiseAlone(plan)};
+    return last_;
+  }
+
+  /// Weighs by the scales at this point from now on.
+  void About(const Point& point) {
+    about_ = point;
+    scales_ = ScalesOf(predictor_.data(), point.innovations, point.noise_alone);
+  }
+
+  VectorXd Weighted(const Point& point) const {
+    VectorXd rows(num_residuals());
+    for (std::size_t c = 0; c < scales_.size(); ++c) {
+      const Channel& channel = predictor_.data().channels()[c];
+      const auto k = static_cast<Index>(c);
+      const double power = std::pow(scales_[c].rms, 2), own = std::pow(point.noise_alone[k], 2);
+      const double scale = std::max(power + own - std::pow(about_.noise_alone[k], 2), kLeastPower * power);
+      rows.segment(channel.begin, channel.count) =
+          point.innovations.segment(channel.begin, channel.count) / std::sqrt(scales_[c].correlation * scale);
+    }
+    for (std::size_t i = 0; i < priors_.size(); ++i) rows[rows_ + static_cast<Index>(i)] = point.q[priors_[i]];
+    return rows;
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const VectorXd q = Eigen::Map<const VectorXd>(parameters[0], std::ssize(hypothesis_.parameters()));
+    const std::optional<Point> here = At(q);
+    if (!here || (here->noise_alone.array() > kLoudest * about_.noise_alone.array()).any() ||
+        !here->noise_alone.allFinite())
+      return false;
+    const VectorXd weighted = Weighted(*here);
+    std::copy(weighted.begin(), weighted.end(), residuals);
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    const VectorXd lower = hypothesis_.lower(), upper = hypothesis_.upper();
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor> jacobian(jacobians[0], weighted.size(), q.size());
+    for (Index i = 0; i < q.size(); ++i) {
+      VectorXd moved = q;
+      double step = hypothesis_.parameters()[static_cast<std::size_t>(i)].step;
+      if (q[i] + step > upper[i]) step = -step;
+      moved[i] += step;
+      const std::optional<Point> there = At(moved);
+      if (!there) return false;
+      jacobian.col(i) = (Weighted(*there) - weighted) / step;
+    }
+    last_ = here;
+    return true;
+  }
+
+  const std::vector<ChannelScale>& scales() const { return scales_; }
+  const std::string& broken() const { return broken_; }
+  Index rows() const { return rows_; }
+
+ private:
+  const Hypothesis& hypothesis_;
+  const Predictor& predictor_;
+  Index rows_ = 0;
+  std::vector<Index> priors_;
+  Point about_;
+  std::vector<ChannelScale> scales_;
+  mutable std::optional<Point> last_;
+  mutable std::string broken_;
+};
+
+}  // namespace
+
+double CorrelationTime(const Eigen::Ref<const VectorXd>& rows) {
+  constexpr Index kMostLags = 400;
+  const double power = rows.squaredNorm();
+  if (!(power > 0.0)) return 1.0;
+  const auto at = [&](Index lag) { return rows.head(rows.size() - lag).dot(rows.tail(rows.size() - lag)) / power; };
+  double sum = 0.0;
+  for (Index lag = 1; lag + 1 < std::min(kMostLags, rows.size() / 4); lag += 2) {
+    const double pair = at(lag) + at(lag + 1);
+    if (!(pair > 0.0)) break;
+    sum += pair;
+  }
+  return 1.0 + 2.0 * sum;
+}
+
+std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovations, const VectorXd& noise_alone) {
+  std::vector<ChannelScale> scales;
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    const auto rows = innovations.segment(channel.begin, channel.count);
+    const double rms = std::sqrt(rows.squaredNorm() / static_cast<double>(std::max<Index>(1, channel.count)));
+    scales.push_back({std::max(rms, channel.noise), noise_alone[static_cast<Index>(c)], CorrelationTime(rows)});
+  }
+  return scales;
+}
+
+Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const VectorXd& start,
+             const EstimatorOptions& options) {
+  Estimate estimate;
+  const std::int64_t before = predictor.simulations();
+  Residual residual(hypothesis, predictor);
+  const VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
+  VectorXd q = start.cwiseMax(lower).cwiseMin(upper);
+  std::optional<Point> point = residual.At(q);
+  estimate.termination = "as often renewed as allowed";
+  for (int renewal = 0; point && renewal < options.renewals; ++renewal) {
+    const std::vector<ChannelScale> old = residual.scales();
+    residual.About(*point);
+    const double begun = residual.Weighted(*point).squaredNorm();
+    if (q.size() == 0) break;
+    ceres::Problem::Options ownership;
+    ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(ownership);
+    problem.AddResidualBlock(&residual, nullptr, q.data());
+    for (Index i = 0; i < q.size(); ++i) {
+      problem.SetParameterLowerBound(q.data(), static_cast<int>(i), lower[i]);
+      problem.SetParameterUpperBound(q.data(), static_cast<int>(i), upper[i]);
+    }
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_QR;
+    solver.max_num_iterations = options.iterations;
+    solver.function_tolerance = 0.1 * options.converged / std::max(begun, 1.0);
+    solver.parameter_tolerance = 1e-10;
+    solver.gradient_tolerance = 1e-14;
+    solver.logging_type = ceres::SILENT;
+    // Beside bounds Ceres searches along each step: by values alone, for a slope costs a simulation a parameter.
+    solver.line_search_interpolation_type = ceres::BISECTION;
+    solver.max_num_line_search_step_size_iterations = 3;
+    solver.max_num_consecutive_invalid_steps = 10;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    estimate.iterations += static_cast<int>(summary.iterations.size());
+    ++estimate.renewals;
+    if (summary.termination_type == ceres::FAILURE) {
+      estimate.broken = summary.message;
+      break;
+    }
+    point = residual.At(q);
+    if (!point) break;
+    const std::vector<ChannelScale> now = ScalesOf(predictor.data(), point->innovations, point->noise_alone);
+    bool settled = begun - residual.Weighted(*point).squaredNorm() < options.converged;
+    for (std::size_t c = 0; c < now.size(); ++c)
+      settled = settled && std::abs(now[c].rms / residual.scales()[c].rms - 1.0) < kSettledScale;
+    if (settled) {
+      estimate.termination = "settled";
+      break;
+    }
+  }
+  if (!point) estimate.broken = residual.broken();
+  if (!estimate.ok()) return estimate;
+  residual.About(*point);
+  estimate.q = q;
+  estimate.innovations = point->innovations;
+  estimate.scales = residual.scales();
+  estimate.criterion = residual.Weighted(*point).squaredNorm();
+  estimate.simulations = predictor.simulations() - before;
+  return estimate;
+}
+
+std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,
+                                 const VectorXd& start, const EstimatorOptions& options) {
+  std::vector<Estimate> estimates;
+  VectorXd from = start;
+  for (const Predictor* level : levels) {
+    estimates.push_back(Fit(hypothesis, *level, from, options));
+    if (!estimates.back().ok()) break;
+    from = estimates.back().q;
+  }
+  return estimates;
+}
+
+}  // namespace dynoproof::estimation

@@ -1,0 +1,66 @@
+// Fits a hypothesis to a data set at one level of correction, or through the levels: the only continuation there is.
+//
+// Criterion at a point q, about a point q0 of the search:
+//   Q(q) = sum_j sum_i e_ij^2(q) / (tau_j (s_j^2 + N_j^2(q) - N_j^2(q0))) + sum of the squared coordinates with a prior
+// s_j: RMS of the innovations of channel j at q0; tau_j: their correlation time in rows, for errors that hang together count
+// as often as they are independent; N_j: what measurement noise alone causes, which goes round the loop of the hypothesis:
+// without it the least squares lie where the loop is quiet, not where the model is right. Its gradient at q0 is that of
+// sum_j n_j / tau_j (mean e_j^2 - N_j^2) / s_j^2. s, tau and q0 are renewed until Q settles.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "estimation/hypothesis.h"
+#include "estimation/predictor.h"
+
+namespace dynoproof::estimation {
+
+struct ChannelScale {
+  double rms = 0.0;          // of the innovations
+  double noise_alone = 0.0;  // what measurement noise alone causes
+  double correlation = 1.0;  // integrated autocorrelation time, in rows
+};
+
+/// Complete when it exists.
+struct Estimate {
+  Eigen::VectorXd q;                 // coordinates, by Hypothesis::parameters()
+  Eigen::VectorXd innovations;       // by row of the data set
+  Eigen::MatrixXd jacobian;          // d weighted residual / d q, rows of the data set
+  std::vector<ChannelScale> scales;  // by channel
+  double criterion = 0.0;            // Q at q about q
+  int iterations = 0, renewals = 0;
+  std::int64_t simulations = 0;
+  std::string termination;  // why it stopped
+  std::string broken;       // why there is no estimate; empty: there is one
+
+  bool ok() const { return broken.empty(); }
+};
+
+struct EstimatorOptions {
+  int iterations = 20;     // of Levenberg-Marquardt, between two renewals
+  int renewals = 4;        // of s, tau and q0
+  double converged = 1.0;  // change of Q: an eighth of what decides between two models
+};
+
+/// Levenberg-Marquardt (Ceres) within the bounds, from `start` [parameters].
+Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Eigen::VectorXd& start,
+             const EstimatorOptions& options = {});
+
+/// Through the predictors in order, each from the estimate of the one before. The first that breaks or diverges ends it;
+/// what was reached until then stands.
+std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,
+                                 const Eigen::VectorXd& start, const EstimatorOptions& options = {});
+
+/// Scales of innovations at a model of which noise alone causes so much.
+std::vector<ChannelScale> ScalesOf(const DataSet& data, const Eigen::VectorXd& innovations,
+                                   const Eigen::VectorXd& noise_alone);
+
+/// Integrated autocorrelation time 1 + 2 sum rho_k, until pairs of neighbours are not positive any more (Geyer 1992); at
+/// least 1.
+double CorrelationTime(const Eigen::Ref<const Eigen::VectorXd>& rows);
+
+}  // namespace dynoproof::estimation

@@ -1,0 +1,134 @@
+#include "estimation/hypothesis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dynoproof::estimation {
+namespace {
+
+constexpr double kBound = 3.0;  // deviations: 0.3 % of sound values lie beyond
+
+/// The smallest start that is taken for a parameter's size, of its bounds' width.
+constexpr double kLeastSize = 1e-6;
+
+}  // namespace
+
+void Hypothesis::Insert(std::size_t at, Parameter parameter, double value) {
+  Eigen::VectorXd start(start_.size() + 1);
+  const auto k = static_cast<Eigen::Index>(at);
+  start.head(k) = start_.head(k);
+  start[k] = parameter.CoordinateOf(value);
+  start.tail(start_.size() - k) = start_.tail(start_.size() - k);
+  start_ = start;
+  parameters_.insert(parameters_.begin() + k, std::move(parameter));
+}
+
+Hypothesis Hypothesis::WithFree(Parameter parameter) const {
+  Hypothesis more = *this;
+  const Value* value = nominal_.root.FindPath(parameter.name);
+  const double start = value != nullptr && value->is_number() ? value->number() : parameter.reference;
+  more.Insert(parameters_.size(), std::move(parameter), start);
+  return more;
+}
+
+Hypothesis Hypothesis::WithNominalValuesFree(const Registry& registry) const {
+  Hypothesis more = *this;
+  const PlantTraits& plant = registry.PlantOf(nominal_);
+  if (!plant.nuisances) return more;
+  for (const NuisanceParameter& known : plant.nuisances(nominal_)) {
+    const Value* value = nominal_.root.FindPath(known.path);
+    // A start belongs to a record, which corrects it; what is written as 0 is no nominal value.
+    if (known.initial || known.only_with_structure || value == nullptr || !value->is_number()) continue;
+    if (known.relative && !(value->number() != 0.0)) continue;
+    Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-2};
+    parameter.lower = parameter.ValueAt(-kBound);
+    parameter.upper = parameter.ValueAt(kBound);
+    more.Insert(more.parameters_.size(), std::move(parameter), value->number());
+  }
+  return more;
+}
+
+Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const {
+  Hypothesis more = *this;
+  const std::string scaled = effect.ScaledParameter(place);
+  for (std::size_t i = 0; i < more.parameters_.size(); ++i) {
+    if (scaled.empty() || more.parameters_[i].name != scaled) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    Eigen::VectorXd start(more.start_.size() - 1);
+    start << more.start_.head(k), more.start_.tail(more.start_.size() - k - 1);
+    more.start_ = start;
+    more.parameters_.erase(more.parameters_.begin() + k);
+    break;
+  }
+  std::size_t at = 0;
+  for (const Applied& applied : effects_) at += applied.effect->info().parameters.size();
+  const std::vector<double> start = effect.Starts(nominal_, place, magnitudes).front();
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const EffectParameter& known = effect.info().parameters[i];
+    const double value = std::clamp(start[i], known.lower, known.upper);
+    const double neutral = std::isfinite(known.neutral) ? known.neutral : 0.0;
+    const double size = std::max(std::abs(value - neutral), kLeastSize * (known.upper - known.lower));
+    Parameter parameter{effect.info().name + "@" + place.ToString() + " " + known.name,
+                        known.unit,
+                        false,
+                        neutral,
+                        size,
+                        known.lower,
+                        known.upper,
+                        false,
+                        {},
+                        1e-2};
+    if (std::isfinite(known.neutral)) parameter.neutral = known.neutral;
+    more.Insert(at++, std::move(parameter), value);
+  }
+  more.effects_.push_back({&effect, place});
+  return more;
+}
+
+Eigen::VectorXd Hypothesis::lower() const {
+  Eigen::VectorXd bounds(start_.size());
+  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
+    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
+    bounds[i] = std::min(parameter.CoordinateOf(parameter.lower), parameter.CoordinateOf(parameter.upper));
+  }
+  return bounds;
+}
+
+Eigen::VectorXd Hypothesis::upper() const {
+  Eigen::VectorXd bounds(start_.size());
+  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
+    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
+    bounds[i] = std::max(parameter.CoordinateOf(parameter.lower), parameter.CoordinateOf(parameter.upper));
+  }
+  return bounds;
+}
+
+Plan Hypothesis::At(const Eigen::VectorXd& q) const {
+  Plan plan = nominal_;
+  std::size_t own = 0;
+  for (const Applied& applied : effects_) own += applied.effect->info().parameters.size();
+  for (std::size_t i = own; i < parameters_.size(); ++i) {
+    Value* value = plan.root.FindPath(parameters_[i].name);
+    if (value != nullptr) *value = Value(parameters_[i].ValueAt(q[static_cast<Eigen::Index>(i)]));
+  }
+  std::size_t next = 0;
+  for (const Applied& applied : effects_) {
+    std::vector<double> values;
+    for (const EffectParameter& known : applied.effect->info().parameters) {
+      const double value = parameters_[next].ValueAt(q[static_cast<Eigen::Index>(next)]);
+      values.push_back(std::clamp(value, known.lower, known.upper));
+      ++next;
+    }
+    applied.effect->Apply(plan, applied.place, values);
+  }
+  return plan;
+}
+
+std::string Hypothesis::Name() const {
+  std::string name;
+  for (const Applied& applied : effects_)
+    name += (name.empty() ? "" : " + ") + applied.effect->info().name + "@" + applied.place.ToString();
+  return name.empty() ? "nominal" : name;
+}
+
+}  // namespace dynoproof::estimation

@@ -1,0 +1,54 @@
+// A model structure: a nominal plan, what is free in it, and effects at places on top.
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "estimation/parameter.h"
+#include "model/effect.h"
+#include "model/registry.h"
+
+namespace dynoproof::estimation {
+
+class Hypothesis {
+ public:
+  /// The plan with its effects applied, and nothing free.
+  explicit Hypothesis(Plan nominal) : nominal_(std::move(nominal)) {}
+
+  /// The nominal values that its plant knows to a tolerance only, each with its prior and bounds of three deviations: what
+  /// needs more is not within the prior, and says so as an effect or not at all.
+  Hypothesis WithNominalValuesFree(const Registry& registry) const;
+  /// A number of the plan, by its dotted path.
+  Hypothesis WithFree(Parameter parameter) const;
+  /// An effect on top. The number that it scales, if any, is not free any more. Starts and sizes are those of its first
+  /// start for a record of these magnitudes.
+  Hypothesis With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const;
+
+  const Plan& nominal() const { return nominal_; }
+  /// Effects' first, in order; then the plan's.
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  /// Where a search begins: effects at their starts, the plan as it is. [parameters]
+  const Eigen::VectorXd& start() const { return start_; }
+  /// Bounds of the coordinates.
+  Eigen::VectorXd lower() const;
+  Eigen::VectorXd upper() const;
+  /// The plan at these coordinates [parameters].
+  Plan At(const Eigen::VectorXd& q) const;
+  /// "coulomb_friction@inertia:I5", or "nominal".
+  std::string Name() const;
+
+ private:
+  struct Applied {
+    const Effect* effect;
+    Place place;
+  };
+  void Insert(std::size_t at, Parameter parameter, double value);
+
+  Plan nominal_;
+  std::vector<Applied> effects_;
+  std::vector<Parameter> parameters_;
+  Eigen::VectorXd start_;
+};
+
+}  // namespace dynoproof::estimation

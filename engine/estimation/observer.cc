@@ -1,0 +1,357 @@
+#include "estimation/observer.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/subnormals.h"
+#include "score/series.h"
+#include "sim/simulate.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// More states than these change no gain by a ten-thousandth (a soft rotor of 143 states: 39 or 23 give the same gain).
+constexpr int kMostStates = 40;
+constexpr std::int64_t kLooks = 64;      // frames of a nonlinear model's free run that tell its regimes
+constexpr std::size_t kMostRegimes = 8;  // the rarer ones use the gain of the most visited
+constexpr std::size_t kMostFrames = 4;   // of a regime, whose mean is taken
+constexpr double kStep = 1e-6;           // of differences of a nonlinear model, in usual magnitudes
+// Shares between which unknown forces are sought, four a decade: beyond, a record is followed rather than predicted.
+constexpr double kLeastShare = 1e-6, kMostShare = 10.0;
+constexpr int kShares = 29, kHalvings = 8;
+constexpr double kNotSeen = 1e-9;  // of what the outputs see most of
+
+/// Differences about frames of one run.
+class Differences {
+ public:
+  explicit Differences(const BuiltRun& run)
+      : run_(run), other_(*run.rig, *run.solver), step_(run.solver->linear() ? 1.0 : kStep) {}
+
+  /// What the states become after one period, and the outputs before it.
+  Result<std::pair<VectorXd, VectorXd>> After(const Frame& frame, const std::vector<int>& outputs) {
+    Frame now = frame;
+    run_.solver->Evaluate(now, Seconds(now.time));
+    VectorXd seen(std::ssize(outputs));
+    for (Index j = 0; j < seen.size(); ++j) {
+      const int signal = run_.rig->outputs[static_cast<std::size_t>(outputs[static_cast<std::size_t>(j)])].signal;
+      seen[j] = now.signals[static_cast<std::size_t>(signal)];
+    }
+    other_.Restore(frame);
+    if (Status failed = other_.Integrate()) return *failed;
+    return std::pair(StatesOf(other_.frame()), seen);
+  }
+
+  VectorXd StatesOf(const Frame& frame) const {
+    const std::vector<double> states = run_.solver->States(frame);
+    return Eigen::Map<const VectorXd>(states.data(), std::ssize(states));
+  }
+
+  Frame Shifted(const Frame& frame, const VectorXd& change) const {
+    Frame shifted = frame;
+    run_.solver->Shift(shifted, {change.data(), change.data() + change.size()});
+    return shifted;
+  }
+
+  double step() const { return step_; }
+
+ private:
+  const BuiltRun& run_;
+  Simulation other_;
+  double step_;
+};
+
+/// d(states after a period) and d(outputs now) along the columns of `directions` [states x k].
+Result<std::pair<MatrixXd, MatrixXd>> Along(Differences& differences, const Frame& frame, const MatrixXd& directions,
+                                            const std::vector<int>& outputs) {
+  const auto base = differences.After(frame, outputs);
+  if (!base.ok()) return base.failure();
+  MatrixXd A(base->first.size(), directions.cols()), C(base->second.size(), directions.cols());
+  for (Index i = 0; i < directions.cols(); ++i) {
+    const auto moved = differences.After(differences.Shifted(frame, differences.step() * directions.col(i)), outputs);
+    if (!moved.ok()) return moved.failure();
+    A.col(i) = (moved->first - base->first) / differences.step();
+    C.col(i) = (moved->second - base->second) / differences.step();
+  }
+  return std::pair(std::move(A), std::move(C));
+}
+
+/// A frame of `from` as one of `to`, a rig of the same machine: states, signals and modes by their names.
+Result<Frame> Transplanted(const BuiltRun& from, const Frame& frame, const BuiltRun& to) {
+  Frame result = to.rig->MakeFrame();
+  result.time = frame.time;
+  result.step = frame.step;
+  const std::vector<double> states = from.solver->States(frame);
+  for (std::size_t i = 0; i < to.rig->state_ports.size(); ++i) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (from.rig->state_ports[k].name == to.rig->state_ports[i].name) result.states[i] = states[k];
+    }
+  }
+  for (std::size_t i = 0; i < to.rig->slots.size(); ++i) {
+    const int slot = from.rig->FindSlot(to.rig->slots[i]);
+    if (slot >= 0) result.signals[i] = frame.signals[static_cast<std::size_t>(slot)];
+  }
+  if (result.rings.size() == frame.rings.size()) result.rings = frame.rings;
+  if (result.modes.size() == frame.modes.size()) result.modes = frame.modes;
+  if (Status failed = to.solver->Resume(result)) return *failed;
+  return result;
+}
+
+/// RMS of a record's input; the usual magnitude of one that the record does not drive.
+double SizeOf(const InputLine& line, const MappedRecord& record) {
+  const auto driven = record.inputs.find(line.name);
+  const double rms = driven != record.inputs.end() ? score::RootMeanSquare(*driven->second.values) : 0.0;
+  return rms > 0.0 ? rms : line.nominal;
+}
+
+/// A torque on each body that has one, as plans, and the torque that the inputs usually have [N m].
+std::vector<std::pair<std::string, Plan>> Loaded(const Plan& plan, double torque, const Registry& registry) {
+  std::vector<std::pair<std::string, Plan>> loaded;
+  const PlantTraits& plant = registry.PlantOf(plan);
+  const Effect* load = registry.FindEffect("constant_load");
+  if (load == nullptr || !plant.bodies) return loaded;
+  for (const Place& place : plant.bodies(plan)) {
+    Plan with = plan;
+    load->Apply(with, place, {torque});
+    loaded.emplace_back(place.ToString(), std::move(with));
+  }
+  return loaded;
+}
+
+/// What one period of each unknown force of its usual size moves, by state: [states x forces].
+Result<MatrixXd> Moved(const BuiltRun& run, Differences& differences, const Frame& frame, const MappedRecord& record,
+                       const std::vector<BuiltRun>& loaded) {
+  const auto base = differences.After(frame, {});
+  if (!base.ok()) return base.failure();
+  MatrixXd G(base->first.size(), std::ssize(loaded) + std::ssize(run.rig->inputs));
+  Index column = 0;
+  for (const BuiltRun& other : loaded) {
+    const Result<Frame> there = Transplanted(run, frame, other);
+    if (!there.ok()) return there.failure();
+    Differences by_load(other);
+    const auto moved = by_load.After(*there, {});
+    if (!moved.ok()) return moved.failure();
+    for (Index i = 0; i < G.rows(); ++i) {
+      G(i, column) = 0.0;
+      for (std::size_t k = 0; k < other.rig->state_ports.size(); ++k) {
+        if (other.rig->state_ports[k].name == run.rig->state_ports[static_cast<std::size_t>(i)].name)
+          G(i, column) = moved->first[static_cast<Index>(k)] - base->first[i];
+      }
+    }
+    ++column;
+  }
+  for (const InputLine& line : run.rig->inputs) {
+    Frame driven = frame;
+    const double size = SizeOf(line, record);
+    driven.signals[static_cast<std::size_t>(line.delayed)] += differences.step() * size;
+    const auto moved = differences.After(driven, {});
+    if (!moved.ok()) return moved.failure();
+    G.col(column++) = (moved->first - base->first) / differences.step();
+  }
+  return G;
+}
+
+/// Frames of the run for which it is linearised, by regime, the most visited first.
+Result<std::vector<std::vector<Frame>>> FramesOf(const BuiltRun& run) {
+  const FlushSubnormals flush;
+  Simulation simulation(*run.rig, *run.solver);
+  if (Status failed = simulation.Start()) return *failed;
+  std::map<std::vector<int>, std::vector<Frame>> by_modes;
+  const std::int64_t every = std::max<std::int64_t>(1, run.rig->steps / kLooks);
+  for (std::int64_t step = 0; step < run.rig->steps; ++step) {
+    if (Status failed = simulation.Tick()) {
+      if (by_modes.empty()) return *failed;
+      break;  // a free run that breaks says enough until then
+    }
+    if (step % every == 0) by_modes[simulation.frame().modes].push_back(simulation.frame());
+    if (run.solver->linear()) break;
+    if (simulation.Integrate()) break;
+  }
+  std::vector<std::vector<Frame>> regimes;
+  for (auto& [modes, frames] : by_modes) regimes.push_back(std::move(frames));
+  std::ranges::stable_sort(regimes, [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  if (regimes.size() > kMostRegimes) regimes.resize(kMostRegimes);
+  for (std::vector<Frame>& frames : regimes) {
+    std::vector<Frame> few;
+    for (std::size_t i = 0; i < std::min(kMostFrames, frames.size()); ++i)
+      few.push_back(frames[i * frames.size() / std::min(kMostFrames, frames.size())]);
+    frames = std::move(few);
+  }
+  return regimes;
+}
+
+std::vector<int> OutputsOf(const Rig& rig, const std::vector<std::string>& names) {
+  std::vector<int> outputs;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(rig.outputs, name, &OutputLine::name);
+    if (found != rig.outputs.end()) outputs.push_back(static_cast<int>(found - rig.outputs.begin()));
+  }
+  return outputs;
+}
+
+/// Slowest time constant of x+ = L x, in periods; infinite where it does not forget.
+double SlowestOf(const MatrixXd& L) {
+  double largest = 0.0;
+  for (const auto& value : L.eigenvalues()) largest = std::max(largest, std::abs(value));
+  if (!(largest < 1.0)) return std::numeric_limits<double>::infinity();
+  return largest > 0.0 ? -1.0 / std::log(largest) : 0.0;
+}
+
+/// A to the power of `count`, and the covariance that as many periods of white forces leave.
+std::pair<MatrixXd, MatrixXd> Over(int count, const MatrixXd& A, const MatrixXd& G) {
+  MatrixXd power = MatrixXd::Identity(A.rows(), A.rows()), covariance = MatrixXd::Zero(A.rows(), A.rows());
+  for (int k = 0; k < count; ++k) {
+    covariance = (A * covariance * A.transpose() + G * G.transpose()).eval();
+    power = (A * power).eval();
+  }
+  return {power, covariance};
+}
+
+}  // namespace
+
+Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  Result<BuiltRun> run = BuildRun(plan, record, registry);
+  if (!run.ok()) return run.failure();
+  LinearModel model;
+  model.period_s = Seconds(run->rig->period);
+  for (const Port& port : run->rig->state_ports) model.states.push_back(port.name);
+  for (const auto& [name, series] : record.outputs) model.outputs.push_back(name);
+  const std::vector<int> outputs = OutputsOf(*run->rig, model.outputs);
+  if (outputs.size() != model.outputs.size())
+    return Failure{"an output of the record is not in the plan", plan.id, {}, 2};
+  const auto n = std::ssize(model.states);
+  model.scale.resize(n);
+  for (Index i = 0; i < n; ++i) model.scale[i] = run->rig->state_ports[static_cast<std::size_t>(i)].nominal;
+  double torque = 0.0;
+  for (const InputLine& line : run->rig->inputs)
+    torque = std::max(torque, line.unit == "N m" ? SizeOf(line, record) : 0.0);
+  std::vector<BuiltRun> loaded;
+  for (auto& [name, with] : Loaded(plan, torque > 0.0 ? torque : 1.0, registry)) {
+    Result<BuiltRun> one = BuildRun(std::move(with), record, registry);
+    if (!one.ok()) return one.failure();
+    loaded.push_back(*std::move(one));
+    model.forces.push_back(name);
+  }
+  for (const InputLine& line : run->rig->inputs) model.forces.push_back("input:" + line.name);
+  const Result<std::vector<std::vector<Frame>>> frames = FramesOf(*run);
+  if (!frames.ok()) return frames.failure();
+  Differences differences(*run);
+  const MatrixXd axes = model.scale.asDiagonal();
+  for (const std::vector<Frame>& of_regime : *frames) {
+    Regime mean{of_regime.front().modes, MatrixXd::Zero(n, n), MatrixXd::Zero(n, std::ssize(model.forces)),
+                MatrixXd::Zero(std::ssize(outputs), n)};
+    const double weight = 1.0 / static_cast<double>(of_regime.size());
+    for (const Frame& frame : of_regime) {
+      const auto slopes = Along(differences, frame, axes, outputs);
+      const auto moved = Moved(*run, differences, frame, record, loaded);
+      if (!slopes.ok()) return slopes.failure();
+      if (!moved.ok()) return moved.failure();
+      mean.A += weight * model.scale.cwiseInverse().asDiagonal() * slopes->first;
+      mean.G += weight * model.scale.cwiseInverse().asDiagonal() * *moved;
+      mean.C += weight * slopes->second;
+    }
+    model.regimes.push_back(std::move(mean));
+  }
+  if (n == 0) return model;
+  const Regime& first = model.regimes.front();
+  const double leak = std::exp(-model.period_s / std::max(record.end_s, model.period_s));
+  // Outputs count by their own magnitude.
+  VectorXd size(std::ssize(outputs));
+  for (Index j = 0; j < size.size(); ++j)
+    size[j] = run->rig->outputs[static_cast<std::size_t>(outputs[static_cast<std::size_t>(j)])].nominal;
+  model.part = mechanics::Balance(first.A, first.G, size.cwiseInverse().asDiagonal() * first.C, leak, kMostStates);
+  for (Regime& regime : model.regimes) {
+    regime.A = (model.part.reduction * regime.A * model.part.basis).eval();
+    regime.G = (model.part.reduction * regime.G).eval();
+    regime.C = (regime.C * model.part.basis).eval();
+  }
+  return model;
+}
+
+Result<LinearModel::Regime> LinearModel::Reduced(const BuiltRun& run) const {
+  if (!run.solver->linear()) return Failure{"the model is not linear", run.rig->id};
+  const auto same = [](const Port& port, const std::string& name) { return port.name == name; };
+  if (!std::ranges::equal(run.rig->state_ports, states, same))
+    return Failure{"the model has other states", run.rig->id};
+  Simulation simulation(*run.rig, *run.solver);
+  if (Status failed = simulation.Start()) return *failed;
+  if (Status failed = simulation.Tick()) return *failed;
+  Differences differences(run);
+  const auto slopes =
+      Along(differences, simulation.frame(), scale.asDiagonal() * part.basis, OutputsOf(*run.rig, outputs));
+  if (!slopes.ok()) return slopes.failure();
+  return Regime{regimes.front().modes, part.reduction * scale.cwiseInverse().asDiagonal() * slopes->first,
+                regimes.front().G, slopes->second};
+}
+
+Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_s, double memory_s)
+    : states_(model.states),
+      noise_(noise),
+      stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
+  const VectorXd variance = noise.cwiseAbs2();
+  const double periods = stride_;
+  for (const LinearModel::Regime& regime : model.regimes) {
+    const auto [A, unit] = Over(stride_, regime.A, regime.G);
+    const auto gain_at = [&, &A = A, &unit = unit](double share) {
+      return mechanics::MakeStationaryFilter(A, regime.C, share * share * unit, variance).gain;
+    };
+    const auto slowest = [&, &A = A](const MatrixXd& gain) {
+      return periods * model.period_s * SlowestOf(A - A * gain * regime.C);
+    };
+    const auto share_at = [](double place) {
+      return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
+    };
+    // The smallest share that forgets as fast as wanted; the fastest, where none does.
+    int first = -1, fastest = 0;
+    double least_s = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kShares && first < 0; ++i) {
+      const double found_s = slowest(gain_at(share_at(i)));
+      if (found_s <= memory_s) first = i;
+      if (found_s < least_s) least_s = found_s, fastest = i;
+    }
+    double low = first - 1, high = first >= 0 ? first : fastest;
+    for (int i = 0; i < kHalvings && first > 0; ++i) {
+      const double middle = 0.5 * (low + high);
+      (slowest(gain_at(share_at(middle))) > memory_s ? low : high) = middle;
+    }
+    const double share = share_at(high);
+    const MatrixXd gain = gain_at(share);
+    if (gains_.empty()) memory_s_ = slowest(gain), share_ = share;
+    MatrixXd physical = model.scale.asDiagonal() * model.part.basis * gain;
+    // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would
+    // make a spring of a friction.
+    for (Index i = 0; i < physical.rows(); ++i) {
+      if (model.part.seen[i] < kNotSeen) physical.row(i).setZero();
+    }
+    gains_.push_back({regime.modes, gain, std::move(physical)});
+  }
+}
+
+VectorXd Observer::NoiseAlone(const LinearModel::Regime& model) const {
+  const MatrixXd& K = gains_.front().reduced;
+  const MatrixXd A = Over(stride_, model.A, model.G).first, AK = A * K;
+  const MatrixXd covariance =
+      mechanics::StationaryCovariance(A - AK * model.C, AK * noise_.cwiseAbs2().asDiagonal() * AK.transpose());
+  return ((model.C * covariance * model.C.transpose()).diagonal() + noise_.cwiseAbs2()).cwiseSqrt();
+}
+
+std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::vector<int>& modes) const {
+  const auto own = std::ranges::find(gains_, modes, &Gain::modes);
+  const MatrixXd& gain = (own != gains_.end() ? *own : gains_.front()).physical;
+  std::vector<std::vector<double>> columns(static_cast<std::size_t>(gain.cols()),
+                                           std::vector<double>(rig.state_ports.size(), 0.0));
+  for (std::size_t i = 0; i < rig.state_ports.size(); ++i) {
+    const auto known = std::ranges::find(states_, rig.state_ports[i].name);
+    if (known == states_.end()) continue;
+    for (Index j = 0; j < gain.cols(); ++j) columns[static_cast<std::size_t>(j)][i] = gain(known - states_.begin(), j);
+  }
+  return columns;
+}
+
+}  // namespace dynoproof::estimation

@@ -1,0 +1,67 @@
+// How strongly a record corrects a run. A model that runs beside its record and is corrected by it forgets an error after
+// a while, the memory; what remains is what it predicts wrongly within that time. The gains are those of a stationary
+// Kalman filter of the nominal model for unknown white forces at each body and each input; how large they are is found
+// such that the slowest time constant of the corrected run is the memory. They serve every hypothesis alike.
+#pragma once
+
+#include <Eigen/Dense>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "estimation/built_run.h"
+#include "estimation/data_set.h"
+#include "linear/discrete_equations.h"
+
+namespace dynoproof::estimation {
+
+/// The nominal model over one period, about where it runs: of the states that forces move and outputs see.
+struct LinearModel {
+  std::vector<std::string> states, outputs, forces;  // by name; outputs as in the record
+  Eigen::VectorXd scale;                             // usual magnitude of each state
+  mechanics::BalancedPart part;                      // of the scaled states
+  double period_s = 0.0;
+  struct Regime {
+    std::vector<int> modes;   // of the rig: contact or none
+    Eigen::MatrixXd A, G, C;  // r x r, r x forces, outputs x r: one period of the part
+  };
+  std::vector<Regime> regimes;  // the most visited first; at least one
+
+  /// `record`: of a data set of `plan`. A rig that is linear is linearised once; another one along its free run, a mean for
+  /// each regime that it visits.
+  static Result<LinearModel> Of(const Plan& plan, const MappedRecord& record, const Registry& registry);
+  /// A and C of another rig in the same coordinates, about the start of its run; fails where that cannot be had.
+  Result<Regime> Reduced(const BuiltRun& run) const;
+};
+
+class Observer {
+ public:
+  /// A gain for each regime of the model: `memory_s` or, where no unknown forces make it as short, the shortest there is.
+  /// `noise`: standard deviation of each output of the model. `step_s`: of the samples.
+  Observer(const LinearModel& model, const Eigen::VectorXd& noise, double step_s, double memory_s);
+
+  /// Slowest time constant of the corrected run [s], of the most visited regime.
+  double memory_s() const { return memory_s_; }
+  /// Unknown forces, over the usual magnitude of what drives, white over the samples' period.
+  double share() const { return share_; }
+  /// RMS by output that measurement noise alone causes in the innovations of a corrected linear model.
+  Eigen::VectorXd NoiseAlone(const LinearModel::Regime& model) const;
+
+  /// For a rig in these modes: by output, the change of each of the rig's states. States that the nominal model does not
+  /// have are not corrected.
+  std::vector<std::vector<double>> GainsFor(const Rig& rig, const std::vector<int>& modes) const;
+
+ private:
+  struct Gain {
+    std::vector<int> modes;
+    Eigen::MatrixXd reduced, physical;  // r x outputs; states x outputs
+  };
+  std::vector<std::string> states_;
+  std::vector<Gain> gains_;
+  Eigen::VectorXd noise_;
+  int stride_ = 1;  // periods between samples
+  double memory_s_ = 0.0, share_ = 0.0;
+};
+
+}  // namespace dynoproof::estimation

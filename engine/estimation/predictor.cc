@@ -1,0 +1,150 @@
+#include "estimation/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/subnormals.h"
+#include "score/series.h"
+#include "sim/simulate.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kOnTick = 1e-3;  // of a period: a stamp so near a tick is there
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// The sample at each tick, NaN where there is none.
+std::vector<double> ByTick(const Series& series, double period_s, std::int64_t steps) {
+  std::vector<double> samples(static_cast<std::size_t>(steps) + 1, kNone);
+  for (std::size_t i = 0; i < series.time->size(); ++i) {
+    const auto tick = std::llround((*series.time)[i] / period_s);
+    if (tick >= 0 && tick <= steps) samples[static_cast<std::size_t>(tick)] = (*series.values)[i];
+  }
+  return samples;
+}
+
+/// A course by tick at an instant; between ticks the straight line.
+double At(const std::vector<double>& course, double time_s, double period_s) {
+  double tick = std::clamp(time_s / period_s, 0.0, static_cast<double>(course.size() - 1));
+  if (std::abs(tick - std::round(tick)) < kOnTick) tick = std::round(tick);
+  const auto before = static_cast<std::size_t>(tick);
+  const double share = tick - static_cast<double>(before);
+  return share > 0.0 ? course[before] + share * (course[before + 1] - course[before]) : course[before];
+}
+
+/// A column of an observer for each output, by what the run's modes are.
+class Corrections {
+ public:
+  Corrections(const Observer& observer, const BuiltRun& run) : observer_(observer), run_(run) {}
+
+  Correction& For(const std::vector<int>& modes) {
+    std::unique_ptr<Correction>& own = by_modes_[modes];
+    if (own == nullptr) own = run_.solver->MakeCorrection(observer_.GainsFor(*run_.rig, modes));
+    return *own;
+  }
+
+ private:
+  const Observer& observer_;
+  const BuiltRun& run_;
+  std::map<std::vector<int>, std::unique_ptr<Correction>> by_modes_;
+};
+
+/// The finest step of a record's outputs [s].
+double StepOf(const MappedRecord& record) {
+  double step_s = std::numeric_limits<double>::infinity();
+  for (const auto& [name, series] : record.outputs) step_s = std::min(step_s, score::MedianStep(*series.time));
+  return step_s;
+}
+
+}  // namespace
+
+Predictor::Predictor(const DataSet& data, const LinearModel& model, const Registry& registry,
+                     std::optional<double> memory_s, std::shared_ptr<mechanics::Decompositions> decompositions)
+    : data_(&data), model_(&model), registry_(&registry), decompositions_(std::move(decompositions)) {
+  if (!memory_s || model.part.basis.cols() == 0) return;
+  VectorXd noise(std::ssize(model.outputs));
+  for (Index j = 0; j < noise.size(); ++j)
+    noise[j] = std::ranges::find(data.channels(), model.outputs[static_cast<std::size_t>(j)], &Channel::name)->noise;
+  observer_.emplace(model, noise, StepOf(data.records().front()), *memory_s);
+}
+
+Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innovations) const {
+  const FlushSubnormals flush;
+  const Rig& rig = *run.rig;
+  const MappedRecord& record = data_->records()[r];
+  const double period_s = Seconds(rig.period);
+  const std::size_t count = model_->outputs.size();
+  std::vector<std::size_t> lines;
+  std::vector<std::vector<double>> measured, predicted;
+  for (const std::string& name : model_->outputs) {
+    const auto line = std::ranges::find(rig.outputs, name, &OutputLine::name);
+    const auto series = record.outputs.find(name);
+    if (line == rig.outputs.end()) return Failure{"the plan lost this output", name};
+    lines.push_back(static_cast<std::size_t>(line - rig.outputs.begin()));
+    measured.push_back(series != record.outputs.end()
+                           ? ByTick(series->second, period_s, rig.steps)
+                           : std::vector<double>(static_cast<std::size_t>(rig.steps) + 1, kNone));
+    predicted.emplace_back(static_cast<std::size_t>(rig.steps) + 1);
+  }
+  Simulation simulation(rig, *run.solver);
+  if (Status failed = simulation.Start()) return failed;
+  std::optional<Corrections> corrections;
+  if (observer_) corrections.emplace(*observer_, run);
+  const bool regimes = rig.modes > 0;
+  Correction* correction = corrections ? &corrections->For(simulation.frame().modes) : nullptr;
+  std::vector<double> errors(count);
+  for (std::int64_t step = 0; step <= rig.steps; ++step) {
+    const auto k = static_cast<std::size_t>(step);
+    if (Status failed = simulation.Tick()) return failed;
+    for (std::size_t j = 0; j < count; ++j) predicted[j][k] = simulation.OutputSample(lines[j]);
+    if (step == rig.steps) break;
+    if (correction != nullptr) {
+      if (regimes) correction = &corrections->For(simulation.frame().modes);
+      for (std::size_t j = 0; j < count; ++j) {
+        const double error = measured[j][k] - predicted[j][k];
+        errors[j] = std::isfinite(error) ? error : 0.0;
+      }
+      simulation.Correct(*correction, errors);
+    }
+    if (Status failed = simulation.Integrate()) return failed;
+  }
+  for (const Channel& channel : data_->channels()) {
+    if (channel.record != r) continue;
+    const auto j = static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
+    for (Index i = channel.begin; i < channel.begin + channel.count; ++i)
+      innovations[i] = data_->measured()[i] - At(predicted[j], data_->time_s()[static_cast<std::size_t>(i)], period_s);
+  }
+  return {};
+}
+
+Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
+  VectorXd innovations(data_->measured().size());
+  for (std::size_t r = 0; r < data_->records().size(); ++r) {
+    const Result<BuiltRun> run = BuildRun(plan, data_->records()[r], *registry_, decompositions_.get());
+    if (!run.ok()) return run.failure();
+    ++simulations_;
+    if (Status failed = RunBeside(*run, r, innovations)) return *failed;
+  }
+  if (!innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
+  return innovations;
+}
+
+VectorXd Predictor::NoiseAlone(const Plan& plan) const {
+  VectorXd alone(std::ssize(data_->channels()));
+  for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
+  if (!observer_) return alone;
+  const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
+  const Result<LinearModel::Regime> own = run.ok() ? model_->Reduced(*run) : Result<LinearModel::Regime>(run.failure());
+  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : model_->regimes.front());
+  for (Index c = 0; c < alone.size(); ++c) {
+    const std::string& name = data_->channels()[static_cast<std::size_t>(c)].name;
+    alone[c] = by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()];
+  }
+  return alone;
+}
+
+}  // namespace dynoproof::estimation

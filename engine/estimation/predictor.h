@@ -1,0 +1,52 @@
+// What a model predicts for a data set: in a run beside each record that is corrected by it (observer.h), or in a free run.
+// The only place where an estimator simulates.
+#pragma once
+
+#include <Eigen/Dense>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/status.h"
+#include "estimation/data_set.h"
+#include "estimation/observer.h"
+#include "linear/decompositions.h"
+#include "model/registry.h"
+
+namespace dynoproof::estimation {
+
+/// One way to predict, for all models of a search.
+class Predictor {
+ public:
+  /// `memory_s`: of the correction; nothing: a free run. `model`: of the nominal plan and the first record. The data set,
+  /// the registry and the model outlive the predictor. `decompositions`: shared by all predictors of a search.
+  Predictor(const DataSet& data, const LinearModel& model, const Registry& registry, std::optional<double> memory_s,
+            std::shared_ptr<mechanics::Decompositions> decompositions);
+
+  const DataSet& data() const { return *data_; }
+  /// Nothing where this is a free run.
+  const std::optional<Observer>& observer() const { return observer_; }
+
+  /// Innovations e = measured - predicted, by row [rows]: before the row's own sample corrects. `plan`: of the same machine
+  /// as the nominal one. Fails where the plan cannot be built or a run breaks.
+  Result<Eigen::VectorXd> Innovations(const Plan& plan) const;
+  /// RMS by channel that measurement noise alone causes in them. Of a model that is not linear, or has states that the
+  /// nominal one has not, it is that of the nominal one.
+  Eigen::VectorXd NoiseAlone(const Plan& plan) const;
+
+  /// How many runs of a record it has made. Thread-safe.
+  std::int64_t simulations() const { return simulations_.load(); }
+
+ private:
+  Status RunBeside(const BuiltRun& run, std::size_t record, Eigen::VectorXd& innovations) const;
+
+  const DataSet* data_;
+  const LinearModel* model_;
+  const Registry* registry_;
+  std::optional<Observer> observer_;
+  std::shared_ptr<mechanics::Decompositions> decompositions_;
+  mutable std::atomic<std::int64_t> simulations_ = 0;
+};
+
+}  // namespace dynoproof::estimation

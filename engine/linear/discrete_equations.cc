@@ -1,0 +1,76 @@
+#include "linear/discrete_equations.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace dynoproof::mechanics {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kMostDoublings = 40;  // 1e12 periods: longer than any record
+constexpr double kSettled = 1e-13;  // relative change at which a doubling has nothing left to add
+
+MatrixXd Symmetric(const MatrixXd& x) { return 0.5 * (x + x.transpose()); }
+
+/// F with F F' = X, without the directions below `least` of the largest eigenvalue.
+MatrixXd SquareRoot(const MatrixXd& x, double least) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(x);
+  const VectorXd& values = solver.eigenvalues();
+  const double limit = least * std::max(values.maxCoeff(), 0.0);
+  const Index kept = (values.array() > limit).count();  // ascending: the last ones
+  return solver.eigenvectors().rightCols(kept) * values.tail(kept).cwiseSqrt().asDiagonal();
+}
+
+}  // namespace
+
+MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
+  MatrixXd x = Q, power = A;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const MatrixXd added = power * x * power.transpose();
+    x += added;
+    const double size = added.trace();
+    if (!std::isfinite(size) || size <= kSettled * x.trace()) break;
+    power = (power * power).eval();
+  }
+  return Symmetric(x);
+}
+
+StationaryFilter MakeStationaryFilter(const MatrixXd& A, const MatrixXd& C, const MatrixXd& Q, const VectorXd& R) {
+  const Index n = A.rows();
+  MatrixXd a = A.transpose(), h = Q, g = C.transpose() * R.cwiseInverse().asDiagonal() * C;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const MatrixXd w = (MatrixXd::Identity(n, n) + g * h).inverse();
+    const MatrixXd aw = a * w;
+    const MatrixXd added = a.transpose() * h * w * a;
+    g = Symmetric(g + aw * g * a.transpose());
+    h = Symmetric(h + added);
+    a = aw * a;
+    if (added.cwiseAbs().maxCoeff() <= kSettled * h.cwiseAbs().maxCoeff()) break;
+  }
+  const MatrixXd innovation = C * h * C.transpose() + MatrixXd(R.asDiagonal());
+  return {innovation.ldlt().solve(C * h).transpose(), h};
+}
+
+BalancedPart Balance(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, double leak, int most) {
+  constexpr double kSeen = 1e-12;  // power; amplitudes of 1e-6
+  const MatrixXd faded = leak * A;
+  const MatrixXd moved = SquareRoot(StationaryCovariance(faded, B * B.transpose()), kSeen);
+  const MatrixXd observability = StationaryCovariance(faded.transpose(), C.transpose() * C);
+  const MatrixXd seen = SquareRoot(observability, kSeen);
+  const Eigen::JacobiSVD<MatrixXd> svd(seen.transpose() * moved, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VectorXd& sizes = svd.singularValues();
+  Index kept = 0;
+  while (kept < std::min<Index>(sizes.size(), most) && sizes[kept] > std::sqrt(kSeen) * sizes[0]) ++kept;
+  const VectorXd inverse = sizes.head(kept).cwiseSqrt().cwiseInverse();
+  return {moved * svd.matrixV().leftCols(kept) * inverse.asDiagonal(),
+          inverse.asDiagonal() * svd.matrixU().leftCols(kept).transpose() * seen.transpose(),
+          (observability.diagonal().cwiseMax(0.0) / observability.diagonal().maxCoeff()).cwiseSqrt()};
+}
+
+}  // namespace dynoproof::mechanics

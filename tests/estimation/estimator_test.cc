@@ -1,0 +1,126 @@
+// Fits reach the hidden truth from nominal, with all nominal values free beside it.
+#include "estimation/estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/estimation/four_masses.h"
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+TEST(CorrelationTime, IsThatOfAFirstOrderProcess) {
+  constexpr double kPole = 0.8;
+  Eigen::VectorXd rows(40'000);
+  rows[0] = 0.0;
+  for (Eigen::Index i = 1; i < rows.size(); ++i)
+    rows[i] = kPole * rows[i - 1] + RandomNormal(1, 2, static_cast<std::uint64_t>(i));
+  // (1 + a) / (1 - a) = 9; its estimate scatters by some 5 % here.
+  EXPECT_NEAR(CorrelationTime(rows), 9.0, 1.5);
+  EXPECT_EQ(CorrelationTime(Eigen::VectorXd::Zero(100)), 1.0);
+}
+
+/// A line with an effect hidden in it and its nominal values drawn from their priors; what the fit of that effect ends at.
+class Hidden {
+ public:
+  Hidden(Plan plan, const std::string& effect, const std::string& at, double truth, std::uint64_t seed)
+      : plan_(std::move(plan)),
+        effect_(testing::BuiltIns().FindEffect(effect)),
+        place_(*ParsePlace(at)),
+        nominal_(Hypothesis(plan_).WithNominalValuesFree(testing::BuiltIns())) {
+    Eigen::VectorXd z = nominal_.start();
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      const bool own = nominal_.parameters()[static_cast<std::size_t>(i)].name == effect_->ScaledParameter(place_);
+      z[i] = own ? 0.0 : std::clamp(RandomNormal(seed, 0, static_cast<std::uint64_t>(i)), -2.0, 2.0);
+    }
+    Plan made = WithEffect(nominal_.At(z), effect, at, {truth});
+    SetSubsteps(made, 16);  // matters to dry friction only
+    data_.emplace(std::vector{RecordOf(made, 0.005, {"T_shaft", "omega_1"}, seed)}, plan_,
+                  DataSet::Options{.most_rows = 4000});
+  }
+
+  /// From `start`, through memories of 25 and 250 ms to the free run.
+  std::vector<Estimate> Fit(double start) {
+    const Result<LinearModel> model = LinearModel::Of(plan_, data_->records().front(), testing::BuiltIns());
+    EXPECT_TRUE(model.ok());
+    const auto known = std::make_shared<mechanics::Decompositions>();
+    const Predictor strong(*data_, *model, testing::BuiltIns(), 0.025, known),
+        weak(*data_, *model, testing::BuiltIns(), 0.25, known),
+        free(*data_, *model, testing::BuiltIns(), std::nullopt, known);
+    Magnitudes magnitudes;
+    magnitudes.input = 300.0;
+    for (const Channel& channel : data_->channels()) magnitudes.output_spread[channel.name] = channel.spread;
+    hypothesis_ = nominal_.With(*effect_, place_, magnitudes);
+    Eigen::VectorXd from = hypothesis_->start();
+    from[0] = hypothesis_->parameters()[0].CoordinateOf(start);
+    return FitThrough(*hypothesis_, {&strong, &weak, &free}, from);
+  }
+
+  double ValueOf(const Estimate& estimate) const { return hypothesis_->parameters()[0].ValueAt(estimate.q[0]); }
+
+ private:
+  Plan plan_;
+  const Effect* effect_;
+  Place place_;
+  Hypothesis nominal_;
+  std::optional<DataSet> data_;
+  std::optional<Hypothesis> hypothesis_;
+};
+
+/// Whether all levels end near the truth, the last one at the noise, within so many simulations.
+void ExpectTruth(Hidden hidden, double start, double truth, double corrected, double free, std::int64_t most) {
+  const std::vector<Estimate> fits = hidden.Fit(start);
+  ASSERT_EQ(fits.size(), 3U);
+  for (const Estimate& fit : fits) ASSERT_TRUE(fit.ok()) << fit.broken;
+  EXPECT_NEAR(hidden.ValueOf(fits[0]), truth, corrected);
+  EXPECT_NEAR(hidden.ValueOf(fits[1]), truth, corrected);
+  EXPECT_NEAR(hidden.ValueOf(fits[2]), truth, free);
+  EXPECT_LT(fits[2].scales[0].rms, 1.05 * fits[2].scales[0].noise_alone);
+  std::int64_t simulations = 0;
+  for (const Estimate& fit : fits) simulations += fit.simulations;
+  EXPECT_LT(simulations, most);
+}
+
+TEST(Estimator, FindsAStiffnessOfALineFarOff) {
+  const Plan plan = FourMasses(1.2);
+  for (const double truth : {-0.12, -0.25, 0.25})
+    ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k2", truth, 100), 0.0, truth, 0.01, 0.002, 1000);
+}
+
+TEST(Estimator, FindsFrictionOfALine) {
+  ExpectTruth(Hidden(FourMasses(1.2), "coulomb_friction", "inertia:I4", 8.0, 101), 1.0, 8.0, 0.4, 0.2, 1000);
+}
+
+TEST(Estimator, SlowFindsAStiffnessOfASoftRotorFarOff) {
+  const Plan plan = Scenario("scenarios/diagnose/r2r_soft.toml", {"run.duration_s=2"});
+  for (const double truth : {-0.12, -0.25})
+    ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k3", truth, 102), 0.0, truth, 0.01, 0.002, 300);
+  ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k4", -0.12, 103), 0.0, -0.12, 0.012, 0.003, 300);
+}
+
+TEST(Estimator, SlowFindsFrictionOfASoftRotor) {
+  const Plan plan = Reversing();
+  ExpectTruth(Hidden(plan, "coulomb_friction", "inertia:I5", 10.0, 106), 1.0, 10.0, 0.5, 0.2, 1500);
+}
+
+TEST(Estimator, EndsAtTheStartWhereNothingIsFree) {
+  const Plan plan = FourMasses(0.3);
+  const DataSet data({RecordOf(plan, 0.005, {"T_shaft", "omega_1"})}, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Predictor predictor(data, *model, testing::BuiltIns(), 0.025, nullptr);
+  const Estimate fit = Fit(Hypothesis(plan), predictor, Eigen::VectorXd());
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  EXPECT_EQ(fit.simulations, 1);
+  EXPECT_NEAR(fit.scales[0].rms / fit.scales[0].noise_alone, 1.0, 0.05);
+}
+
+}  // namespace
+}  // namespace dynoproof::estimation

@@ -1,0 +1,73 @@
+// Records that the engine itself makes: a scenario's own run with something hidden in it, and noise on its outputs.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "experiment/checks.h"
+#include "experiment/records.h"
+#include "scenario/load.h"
+#include "score/series.h"
+#include "tests/support/registry.h"
+#include "tests/support/run_plan.h"
+
+namespace dynoproof::estimation {
+
+/// A scenario, as it stands, with changes ("run.duration_s=1").
+inline Plan Scenario(const std::string& file, const std::vector<std::string>& changes = {}) {
+  Diagnostics diagnostics;
+  std::optional<Plan> plan = LoadPlan(file, changes, diagnostics);
+  EXPECT_TRUE(plan.has_value()) << diagnostics.Format();
+  return plan ? *plan : Plan();
+}
+
+/// The soft rotor of the diagnosis under a torque that swings twice a second, so that friction is seen in both directions.
+inline Plan Reversing() {
+  return Scenario("scenarios/diagnose/r2r_soft.toml",
+                  {"run.duration_s=2", "input.T_airgap.source.sources.1.frequencies_Hz=[2.0]",
+                   "input.T_airgap.source.sources.1.amplitudes=[40.0]",
+                   "input.T_airgap.source.sources.1.phases_rad=[1.5707963267948966]"});
+}
+
+inline Plan WithEffect(Plan plan, const std::string& effect, const std::string& at,
+                       const std::vector<double>& parameters) {
+  const Effect* known = testing::BuiltIns().FindEffect(effect);
+  if (known == nullptr) {
+    ADD_FAILURE() << effect;
+    return plan;
+  }
+  known->Apply(plan, *ParsePlace(at), parameters);
+  return plan;
+}
+
+/// The run of a plan as a record of these outputs with white noise of `share` of each output's spread.
+inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<std::string>& outputs,
+                             std::uint64_t seed = 5) {
+  const std::unique_ptr<Rig> rig = testing::RigOf(plan);
+  const Samples samples = testing::RunRig(*rig, "realtime");
+  MappedRecord record;
+  const auto time = std::make_shared<const std::vector<double>>(samples.time);
+  for (std::size_t i = 0; i < rig->inputs.size(); ++i)
+    record.inputs[rig->inputs[i].name] = {time, std::make_shared<const std::vector<double>>(samples.inputs[i])};
+  for (std::size_t j = 0; j < rig->outputs.size(); ++j) {
+    const std::string& name = rig->outputs[j].name;
+    if (std::find(outputs.begin(), outputs.end(), name) == outputs.end()) continue;
+    std::vector<double> values = samples.outputs[j];
+    const double sigma = share * score::StandardDeviation(values);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(seed, j, i);
+    record.outputs[name] = {time, std::make_shared<const std::vector<double>>(std::move(values))};
+  }
+  record.end_s = samples.time.back();
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    for (const auto& [name, series] : *signals) record.step_s[name] = Seconds(rig->period);
+  }
+  return record;
+}
+
+}  // namespace dynoproof::estimation
