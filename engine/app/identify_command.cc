@@ -32,6 +32,7 @@ struct IdentifyArguments {
 const std::map<std::string, identification::IdentifyMethod> kMethods = {
     {"free_run", identification::IdentifyMethod::kFreeRun},
     {"spectrum", identification::IdentifyMethod::kSpectrum},
+    {"corrected", identification::IdentifyMethod::kCorrected},
     {"response", identification::IdentifyMethod::kResponse},
     {"two_stage", identification::IdentifyMethod::kTwoStage}};
 
@@ -225,7 +226,10 @@ void AddIdentify(CLI::App& program, int& exit) {
   command
       ->add_option(
           "--method", arguments->method,
-          "free_run: the error sample by sample (default). For values far off: spectrum: of the outputs; response: "
+          "free_run: the error sample by sample (default). corrected: of runs beside the record that it corrects, from "
+          "far "
+          "off, of records that begin in motion and of models that leave something. For values far off, too: spectrum: "
+          "of the outputs; response: "
           "of a drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their "
           "gains")
       ->check(CLI::IsMember(kMethods));

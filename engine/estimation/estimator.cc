@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 namespace dynoproof::estimation {
 namespace {
@@ -14,7 +16,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
-constexpr double kLeastPower = 0.1;    // of s^2, below which the scale does not fall with the noise
+constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
 constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
 
 /// What is kept of one simulated point.
@@ -29,7 +31,8 @@ class Residual : public ceres::CostFunction {
     for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
       if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
     }
-    set_num_residuals(static_cast<int>(rows_ + std::ssize(priors_)));
+    rough_ = predictor.IsRough(hypothesis.At(hypothesis.start()));
+    set_num_residuals(static_cast<int>(rows_ + std::ssize(predictor.data().channels()) + std::ssize(priors_)));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(hypothesis.parameters().size()));
   }
 
@@ -52,18 +55,33 @@ class Residual : public ceres::CostFunction {
     scales_ = ScalesOf(predictor_.data(), point.innovations, point.noise_alone);
   }
 
+  /// Innovations over scales, by row; then the noise's part, by channel; then the coordinates with a prior.
   VectorXd Weighted(const Point& point) const {
     VectorXd rows(num_residuals());
     for (std::size_t c = 0; c < scales_.size(); ++c) {
       const Channel& channel = predictor_.data().channels()[c];
       const auto k = static_cast<Index>(c);
-      const double power = std::pow(scales_[c].rms, 2), own = std::pow(point.noise_alone[k], 2);
-      const double scale = std::max(power + own - std::pow(about_.noise_alone[k], 2), kLeastPower * power);
+      const double power = std::pow(scales_[c].rms, 2), about = std::pow(about_.noise_alone[k], 2);
       rows.segment(channel.begin, channel.count) =
-          point.innovations.segment(channel.begin, channel.count) / std::sqrt(scales_[c].correlation * scale);
+          point.innovations.segment(channel.begin, channel.count) / std::sqrt(scales_[c].correlation * power);
+      // What the noise adds to the squares is taken off them: as the square of a root, for least squares know nothing else,
+      // and beside a constant so large that the root is straight and its slope no part of the curvature.
+      // Noise is known to some hundredths. Where less is left than it should cause, it is that much smaller.
+      const double count = static_cast<double>(channel.count) / scales_[c].correlation;
+      const double more = (std::pow(point.noise_alone[k], 2) - about) * std::min(1.0, power / about) / power;
+      rows[rows_ + k] = std::sqrt(count * std::max(kStraight - more, 0.0));
     }
-    for (std::size_t i = 0; i < priors_.size(); ++i) rows[rows_ + static_cast<Index>(i)] = point.q[priors_[i]];
+    for (std::size_t i = 0; i < priors_.size(); ++i)
+      rows[rows_ + std::ssize(scales_) + static_cast<Index>(i)] = point.q[priors_[i]];
     return rows;
+  }
+
+  /// Q itself, of weighted residuals about the point of the scales.
+  double CriterionOf(const VectorXd& weighted) const {
+    double constant = 0.0;
+    for (std::size_t c = 0; c < scales_.size(); ++c)
+      constant += kStraight * static_cast<double>(predictor_.data().channels()[c].count) / scales_[c].correlation;
+    return weighted.squaredNorm() - constant;
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
@@ -80,7 +98,8 @@ class Residual : public ceres::CostFunction {
     Eigen::Map<RowMajor> jacobian(jacobians[0], weighted.size(), q.size());
     for (Index i = 0; i < q.size(); ++i) {
       VectorXd moved = q;
-      double step = hypothesis_.parameters()[static_cast<std::size_t>(i)].step;
+      const Parameter& parameter = hypothesis_.parameters()[static_cast<std::size_t>(i)];
+      double step = rough_ ? parameter.rough_step : parameter.step;
       if (q[i] + step > upper[i]) step = -step;
       moved[i] += step;
       const std::optional<Point> there = At(moved);
@@ -99,6 +118,7 @@ class Residual : public ceres::CostFunction {
   const Hypothesis& hypothesis_;
   const Predictor& predictor_;
   Index rows_ = 0;
+  bool rough_ = false;
   std::vector<Index> priors_;
   Point about_;
   std::vector<ChannelScale> scales_;
@@ -145,8 +165,12 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   for (int renewal = 0; point && renewal < options.renewals; ++renewal) {
     const std::vector<ChannelScale> old = residual.scales();
     residual.About(*point);
-    const double begun = residual.Weighted(*point).squaredNorm();
+    const double begun = residual.CriterionOf(residual.Weighted(*point));
     if (q.size() == 0) break;
+    if (!std::isfinite(begun)) {
+      estimate.broken = "the innovations are not finite";
+      break;
+    }
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(ownership);
@@ -158,7 +182,7 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_QR;
     solver.max_num_iterations = options.iterations;
-    solver.function_tolerance = 0.1 * options.converged / std::max(begun, 1.0);
+    solver.function_tolerance = 0.1 * options.converged / residual.Weighted(*point).squaredNorm();
     solver.parameter_tolerance = 1e-10;
     solver.gradient_tolerance = 1e-14;
     solver.logging_type = ceres::SILENT;
@@ -177,7 +201,7 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
     point = residual.At(q);
     if (!point) break;
     const std::vector<ChannelScale> now = ScalesOf(predictor.data(), point->innovations, point->noise_alone);
-    bool settled = begun - residual.Weighted(*point).squaredNorm() < options.converged;
+    bool settled = begun - residual.CriterionOf(residual.Weighted(*point)) < options.converged;
     for (std::size_t c = 0; c < now.size(); ++c)
       settled = settled && std::abs(now[c].rms / residual.scales()[c].rms - 1.0) < kSettledScale;
     if (settled) {
@@ -191,9 +215,69 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   estimate.q = q;
   estimate.innovations = point->innovations;
   estimate.scales = residual.scales();
-  estimate.criterion = residual.Weighted(*point).squaredNorm();
+  const VectorXd weighted = residual.Weighted(*point);
+  estimate.criterion = residual.CriterionOf(weighted);
+  estimate.weighted = weighted.head(residual.rows());
+  if (q.size() > 0) {
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> slopes(weighted.size(), q.size());
+    VectorXd rows(weighted.size());
+    const double* at = q.data();
+    double* columns = slopes.data();
+    if (!residual.Evaluate(&at, rows.data(), &columns)) {
+      estimate.broken = residual.broken();
+      return estimate;
+    }
+    estimate.jacobian = slopes.topRows(residual.rows());
+    const Index channels = std::ssize(estimate.scales);
+    estimate.noise_slope =
+        rows.segment(residual.rows(), channels).asDiagonal() * slopes.middleRows(residual.rows(), channels);
+  }
   estimate.simulations = predictor.simulations() - before;
   return estimate;
+}
+
+Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis) {
+  constexpr Index kBlocks = 40;  // t with 39 degrees of freedom is nearly normal
+  const Eigen::MatrixXd& J = estimate.jacobian;
+  const Index p = J.cols();
+  if (p == 0) return {};
+  Eigen::MatrixXd hessian = J.transpose() * J, meat = Eigen::MatrixXd::Zero(p, p);
+  for (Index i = 0; i < p; ++i) {
+    if (!hypothesis.parameters()[static_cast<std::size_t>(i)].prior) continue;
+    hessian(i, i) += 1.0;
+    meat(i, i) += 1.0;
+  }
+  // Blocks of one record and one stretch of time count as one, whatever the channel.
+  std::map<std::pair<std::size_t, Index>, VectorXd> scores;
+  for (const Channel& channel : data.channels()) {
+    for (Index b = 0; b < kBlocks; ++b) {
+      const Index begin = channel.begin + channel.count * b / kBlocks,
+                  end = channel.begin + channel.count * (b + 1) / kBlocks;
+      VectorXd& score = scores.try_emplace({channel.record, b}, VectorXd::Zero(p)).first->second;
+      score += J.middleRows(begin, end - begin).transpose() * estimate.weighted.segment(begin, end - begin) +
+               estimate.noise_slope.row(&channel - data.channels().data()).transpose() *
+                   (static_cast<double>(end - begin) / static_cast<double>(channel.count));
+    }
+  }
+  for (const auto& [block, score] : scores) meat += score * score.transpose();
+  const Eigen::MatrixXd inverse = hessian.completeOrthogonalDecomposition().pseudoInverse();
+  return inverse * meat * inverse;
+}
+
+double LogLikelihood(const Estimate& estimate, const Predictor& predictor) {
+  const DataSet& data = predictor.data();
+  double sum = 0.0, rows = 0.0;
+  for (const Channel& channel : data.channels()) {
+    double variance = std::pow(channel.noise, 2);
+    if (!predictor.free_run()) {
+      const auto output = std::ranges::find(predictor.outputs(), channel.name) - predictor.outputs().begin();
+      variance = predictor.observer()->innovation_covariance()(output, output);
+    }
+    const auto own = estimate.innovations.segment(channel.begin, channel.count);
+    sum -= 0.5 * (static_cast<double>(channel.count) * std::log(variance) + own.squaredNorm() / variance);
+    rows += static_cast<double>(channel.count);
+  }
+  return sum / std::max(rows, 1.0);
 }
 
 std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,

@@ -1,11 +1,11 @@
 // Fits a hypothesis to a data set at one level of correction, or through the levels: the only continuation there is.
 //
 // Criterion at a point q, about a point q0 of the search:
-//   Q(q) = sum_j sum_i e_ij^2(q) / (tau_j (s_j^2 + N_j^2(q) - N_j^2(q0))) + sum of the squared coordinates with a prior
+//   Q(q) = sum_j n_j / tau_j (mean e_j^2(q) - N_j^2(q) + N_j^2(q0)) / s_j^2 + sum of the squared coordinates with a prior
 // s_j: RMS of the innovations of channel j at q0; tau_j: their correlation time in rows, for errors that hang together count
 // as often as they are independent; N_j: what measurement noise alone causes, which goes round the loop of the hypothesis:
-// without it the least squares lie where the loop is quiet, not where the model is right. Its gradient at q0 is that of
-// sum_j n_j / tau_j (mean e_j^2 - N_j^2) / s_j^2. s, tau and q0 are renewed until Q settles.
+// without it the least squares lie where the loop is quiet, not where the model is right. s, tau and q0 are renewed until Q
+// settles.
 #pragma once
 
 #include <Eigen/Dense>
@@ -29,7 +29,9 @@ struct ChannelScale {
 struct Estimate {
   Eigen::VectorXd q;                 // coordinates, by Hypothesis::parameters()
   Eigen::VectorXd innovations;       // by row of the data set
-  Eigen::MatrixXd jacobian;          // d weighted residual / d q, rows of the data set
+  Eigen::VectorXd weighted;          // innovations over scale and root of correlation time
+  Eigen::MatrixXd jacobian;          // d weighted / d q
+  Eigen::MatrixXd noise_slope;       // by channel: the noise's part of half the gradient of Q
   std::vector<ChannelScale> scales;  // by channel
   double criterion = 0.0;            // Q at q about q
   int iterations = 0, renewals = 0;
@@ -54,6 +56,14 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Eig
 /// what was reached until then stands.
 std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,
                                  const Eigen::VectorXd& start, const EstimatorOptions& options = {});
+
+/// Covariance of the coordinates by the sandwich H^-1 (sum_b g_b g_b') H^-1, g_b the gradient's part of block b of some 40
+/// of each channel: errors that hang together count as such [parameters x parameters]. Empty where nothing is free.
+Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis);
+
+/// log likelihood of the innovations by the covariance that a level expects, over one row of each output on average; what
+/// tells how much is unknown.
+double LogLikelihood(const Estimate& estimate, const Predictor& predictor);
 
 /// Scales of innovations at a model of which noise alone causes so much.
 std::vector<ChannelScale> ScalesOf(const DataSet& data, const Eigen::VectorXd& innovations,

@@ -40,7 +40,7 @@ Hypothesis Hypothesis::WithNominalValuesFree(const Registry& registry) const {
     // A start belongs to a record, which corrects it; what is written as 0 is no nominal value.
     if (known.initial || known.only_with_structure || value == nullptr || !value->is_number()) continue;
     if (known.relative && !(value->number() != 0.0)) continue;
-    Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-2};
+    Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-3, 2e-2};
     parameter.lower = parameter.ValueAt(-kBound);
     parameter.upper = parameter.ValueAt(kBound);
     more.Insert(more.parameters_.size(), std::move(parameter), value->number());
@@ -77,6 +77,7 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
                         known.upper,
                         false,
                         {},
+                        1e-4,
                         1e-2};
     if (std::isfinite(known.neutral)) parameter.neutral = known.neutral;
     more.Insert(at++, std::move(parameter), value);

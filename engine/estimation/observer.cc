@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "base/subnormals.h"
@@ -21,7 +23,7 @@ using Eigen::VectorXd;
 constexpr int kMostStates = 40;
 constexpr std::int64_t kLooks = 64;      // frames of a nonlinear model's free run that tell its regimes
 constexpr std::size_t kMostRegimes = 8;  // the rarer ones use the gain of the most visited
-constexpr std::size_t kMostFrames = 4;   // of a regime, whose mean is taken
+constexpr std::size_t kMostFrames = 9;   // of a regime, whose mean is taken
 constexpr double kStep = 1e-6;           // of differences of a nonlinear model, in usual magnitudes
 // Shares between which unknown forces are sought, four a decade: beyond, a record is followed rather than predicted.
 constexpr double kLeastShare = 1e-6, kMostShare = 10.0;
@@ -70,7 +72,8 @@ class Differences {
 /// d(states after a period) and d(outputs now) along the columns of `directions` [states x k].
 Result<std::pair<MatrixXd, MatrixXd>> Along(Differences& differences, const Frame& frame, const MatrixXd& directions,
                                             const std::vector<int>& outputs) {
-  const auto base = differences.After(frame, outputs);
+  // Moved by nothing: what a solver carries over from the period before is renewed in all that are compared.
+  const auto base = differences.After(differences.Shifted(frame, VectorXd::Zero(directions.rows())), outputs);
   if (!base.ok()) return base.failure();
   MatrixXd A(base->first.size(), directions.cols()), C(base->second.size(), directions.cols());
   for (Index i = 0; i < directions.cols(); ++i) {
@@ -127,7 +130,8 @@ std::vector<std::pair<std::string, Plan>> Loaded(const Plan& plan, double torque
 /// What one period of each unknown force of its usual size moves, by state: [states x forces].
 Result<MatrixXd> Moved(const BuiltRun& run, Differences& differences, const Frame& frame, const MappedRecord& record,
                        const std::vector<BuiltRun>& loaded) {
-  const auto base = differences.After(frame, {});
+  const VectorXd none = VectorXd::Zero(std::ssize(run.rig->state_ports));
+  const auto base = differences.After(differences.Shifted(frame, none), {});
   if (!base.ok()) return base.failure();
   MatrixXd G(base->first.size(), std::ssize(loaded) + std::ssize(run.rig->inputs));
   Index column = 0;
@@ -150,7 +154,7 @@ Result<MatrixXd> Moved(const BuiltRun& run, Differences& differences, const Fram
     Frame driven = frame;
     const double size = SizeOf(line, record);
     driven.signals[static_cast<std::size_t>(line.delayed)] += differences.step() * size;
-    const auto moved = differences.After(driven, {});
+    const auto moved = differences.After(differences.Shifted(driven, none), {});
     if (!moved.ok()) return moved.failure();
     G.col(column++) = (moved->first - base->first) / differences.step();
   }
@@ -180,10 +184,21 @@ Result<std::vector<std::vector<Frame>>> FramesOf(const BuiltRun& run) {
   for (std::vector<Frame>& frames : regimes) {
     std::vector<Frame> few;
     for (std::size_t i = 0; i < std::min(kMostFrames, frames.size()); ++i)
-      few.push_back(frames[i * frames.size() / std::min(kMostFrames, frames.size())]);
+      few.push_back(frames[(2 * i + 1) * frames.size() / (2 * std::min(kMostFrames, frames.size()))]);
     frames = std::move(few);
   }
   return regimes;
+}
+
+/// Element by element.
+MatrixXd Median(const std::vector<MatrixXd>& all) {
+  MatrixXd median = all.front();
+  std::vector<double> values(all.size());
+  for (Index i = 0; i < median.size(); ++i) {
+    for (std::size_t k = 0; k < all.size(); ++k) values[k] = all[k].data()[i];
+    median.data()[i] = score::Median(values);
+  }
+  return median;
 }
 
 std::vector<int> OutputsOf(const Rig& rig, const std::vector<std::string>& names) {
@@ -244,19 +259,17 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   Differences differences(*run);
   const MatrixXd axes = model.scale.asDiagonal();
   for (const std::vector<Frame>& of_regime : *frames) {
-    Regime mean{of_regime.front().modes, MatrixXd::Zero(n, n), MatrixXd::Zero(n, std::ssize(model.forces)),
-                MatrixXd::Zero(std::ssize(outputs), n)};
-    const double weight = 1.0 / static_cast<double>(of_regime.size());
+    std::vector<MatrixXd> A, G, C;
     for (const Frame& frame : of_regime) {
       const auto slopes = Along(differences, frame, axes, outputs);
       const auto moved = Moved(*run, differences, frame, record, loaded);
       if (!slopes.ok()) return slopes.failure();
       if (!moved.ok()) return moved.failure();
-      mean.A += weight * model.scale.cwiseInverse().asDiagonal() * slopes->first;
-      mean.G += weight * model.scale.cwiseInverse().asDiagonal() * *moved;
-      mean.C += weight * slopes->second;
+      A.push_back(model.scale.cwiseInverse().asDiagonal() * slopes->first);
+      G.push_back(model.scale.cwiseInverse().asDiagonal() * *moved);
+      C.push_back(slopes->second);
     }
-    model.regimes.push_back(std::move(mean));
+    model.regimes.push_back({of_regime.front().modes, Median(A), Median(G), Median(C)});
   }
   if (n == 0) return model;
   const Regime& first = model.regimes.front();
@@ -299,7 +312,7 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   for (const LinearModel::Regime& regime : model.regimes) {
     const auto [A, unit] = Over(stride_, regime.A, regime.G);
     const auto gain_at = [&, &A = A, &unit = unit](double share) {
-      return mechanics::MakeStationaryFilter(A, regime.C, share * share * unit, variance).gain;
+      return mechanics::MakeStationaryFilter(A, regime.C, share * share * unit, variance);
     };
     const auto slowest = [&, &A = A](const MatrixXd& gain) {
       return periods * model.period_s * SlowestOf(A - A * gain * regime.C);
@@ -311,18 +324,23 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
     int first = -1, fastest = 0;
     double least_s = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kShares && first < 0; ++i) {
-      const double found_s = slowest(gain_at(share_at(i)));
+      const double found_s = slowest(gain_at(share_at(i)).gain);
       if (found_s <= memory_s) first = i;
       if (found_s < least_s) least_s = found_s, fastest = i;
     }
     double low = first - 1, high = first >= 0 ? first : fastest;
     for (int i = 0; i < kHalvings && first > 0; ++i) {
       const double middle = 0.5 * (low + high);
-      (slowest(gain_at(share_at(middle))) > memory_s ? low : high) = middle;
+      (slowest(gain_at(share_at(middle)).gain) > memory_s ? low : high) = middle;
     }
     const double share = share_at(high);
-    const MatrixXd gain = gain_at(share);
-    if (gains_.empty()) memory_s_ = slowest(gain), share_ = share;
+    const mechanics::StationaryFilter filter = gain_at(share);
+    const MatrixXd& gain = filter.gain;
+    if (gains_.empty()) {
+      memory_s_ = slowest(gain);
+      share_ = share;
+      innovation_covariance_ = regime.C * filter.covariance * regime.C.transpose() + MatrixXd(variance.asDiagonal());
+    }
     MatrixXd physical = model.scale.asDiagonal() * model.part.basis * gain;
     // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would
     // make a spring of a friction.
@@ -352,6 +370,33 @@ std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::v
     for (Index j = 0; j < gain.cols(); ++j) columns[static_cast<std::size_t>(j)][i] = gain(known - states_.begin(), j);
   }
   return columns;
+}
+
+std::vector<double> MemoriesFor(const LinearModel& model, double duration_s) {
+  // On the soft rotor 15 periods of its first mode are 25 ms, by which fits from nominal reach the truth; on a servo axis a
+  // tenth of its slowest time constant is as much. From the sixth part of that to ten times as much the result is the same.
+  constexpr double kPeriods = 15.0, kOfSlowest = 0.1, kLonger = 10.0;
+  // A plant that forgets by itself is corrected within a third of that, or not at all.
+  constexpr double kOfForgetting = 1.0 / 3.0;
+  constexpr double kFewestSteps = 10.0, kMostOfRecord = 0.1;
+  double period_s = 0.0, slowest_s = 0.0, forgets_s = 0.0;
+  if (!model.regimes.empty() && model.part.basis.cols() > 0) {
+    for (const std::complex<double>& value : model.regimes.front().A.eigenvalues()) {
+      const double turn = std::abs(std::arg(value)), decay = -std::log(std::abs(value));
+      const double constant_s = decay > 0.0 ? model.period_s / decay : std::numeric_limits<double>::infinity();
+      forgets_s = std::max(forgets_s, constant_s);
+      if (turn > decay && turn < 3.0) period_s = std::max(period_s, 2.0 * std::numbers::pi / turn * model.period_s);
+      if (!(turn > decay) && constant_s < duration_s) slowest_s = std::max(slowest_s, constant_s);
+    }
+  }
+  double memory_s = period_s > 0.0 ? kPeriods * period_s : kOfSlowest * slowest_s;
+  if (forgets_s > 0.0) memory_s = std::min(memory_s, kOfForgetting * forgets_s);
+  if (!(memory_s > 0.0)) memory_s = 0.01 * duration_s;
+  memory_s = std::max(std::min(memory_s, kMostOfRecord * duration_s), kFewestSteps * model.period_s);
+  std::vector<double> memories = {memory_s};
+  if (kLonger * memory_s < std::min(0.5 * duration_s, kOfForgetting * forgets_s))
+    memories.push_back(kLonger * memory_s);
+  return memories;
 }
 
 }  // namespace dynoproof::estimation

@@ -28,7 +28,7 @@ struct LinearModel {
   };
   std::vector<Regime> regimes;  // the most visited first; at least one
 
-  /// `record`: of a data set of `plan`. A rig that is linear is linearised once; another one along its free run, a mean for
+  /// `record`: of a data set of `plan`. A rig that is linear is linearised once; another one along its free run, a median for
   /// each regime that it visits.
   static Result<LinearModel> Of(const Plan& plan, const MappedRecord& record, const Registry& registry);
   /// A and C of another rig in the same coordinates, about the start of its run; fails where that cannot be had.
@@ -45,6 +45,8 @@ class Observer {
   double memory_s() const { return memory_s_; }
   /// Unknown forces, over the usual magnitude of what drives, white over the samples' period.
   double share() const { return share_; }
+  /// Covariance of the innovations [outputs x outputs], if forces as large as share() act and nothing else is unknown.
+  const Eigen::MatrixXd& innovation_covariance() const { return innovation_covariance_; }
   /// RMS by output that measurement noise alone causes in the innovations of a corrected linear model.
   Eigen::VectorXd NoiseAlone(const LinearModel::Regime& model) const;
 
@@ -62,6 +64,11 @@ class Observer {
   Eigen::VectorXd noise_;
   int stride_ = 1;  // periods between samples
   double memory_s_ = 0.0, share_ = 0.0;
+  Eigen::MatrixXd innovation_covariance_;
 };
+
+/// Memories [s] for searches in a record of that length, the shortest first, each ten times the one before: from fifteen
+/// periods of the slowest mode on; of a plant without modes from a tenth of its slowest time constant on.
+std::vector<double> MemoriesFor(const LinearModel& model, double duration_s);
 
 }  // namespace dynoproof::estimation

@@ -15,7 +15,9 @@ struct Parameter {
   double lower = 0.0, upper = 0.0;  // bounds of the value
   bool prior = false;
   std::optional<double> neutral;  // value at which an effect vanishes
-  double step = 1e-3;             // of differences, in q
+  /// Of differences, in q. Where a rig has guards, small ones see only how events move within the same period, not that
+  /// there are more of them.
+  double step = 1e-5, rough_step = 3e-3;
 
   double ValueAt(double q) const;
   /// Of a value within the bounds.

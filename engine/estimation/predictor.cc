@@ -72,6 +72,14 @@ Predictor::Predictor(const DataSet& data, const LinearModel& model, const Regist
   observer_.emplace(model, noise, StepOf(data.records().front()), *memory_s);
 }
 
+Predictor::Predictor(const Predictor& lead, double until_s)
+    : data_(lead.data_),
+      model_(lead.model_),
+      registry_(lead.registry_),
+      observer_(lead.observer_),
+      until_s_(until_s),
+      decompositions_(lead.decompositions_) {}
+
 Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innovations) const {
   const FlushSubnormals flush;
   const Rig& rig = *run.rig;
@@ -102,7 +110,7 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
     if (Status failed = simulation.Tick()) return failed;
     for (std::size_t j = 0; j < count; ++j) predicted[j][k] = simulation.OutputSample(lines[j]);
     if (step == rig.steps) break;
-    if (correction != nullptr) {
+    if (correction != nullptr && static_cast<double>(step) * period_s < until_s_) {
       if (regimes) correction = &corrections->For(simulation.frame().modes);
       for (std::size_t j = 0; j < count; ++j) {
         const double error = measured[j][k] - predicted[j][k];
@@ -133,10 +141,15 @@ Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
   return innovations;
 }
 
+bool Predictor::IsRough(const Plan& plan) const {
+  const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
+  return run.ok() && run->rig->guards > 0;
+}
+
 VectorXd Predictor::NoiseAlone(const Plan& plan) const {
   VectorXd alone(std::ssize(data_->channels()));
   for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
-  if (!observer_) return alone;
+  if (free_run()) return alone;
   const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
   const Result<LinearModel::Regime> own = run.ok() ? model_->Reduced(*run) : Result<LinearModel::Regime>(run.failure());
   const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : model_->regimes.front());

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,10 +24,16 @@ class Predictor {
   /// the registry and the model outlive the predictor. `decompositions`: shared by all predictors of a search.
   Predictor(const DataSet& data, const LinearModel& model, const Registry& registry, std::optional<double> memory_s,
             std::shared_ptr<mechanics::Decompositions> decompositions);
+  /// A free run that starts where one with `lead`'s correction has come to at `until_s`: of records that begin in motion.
+  Predictor(const Predictor& lead, double until_s);
 
   const DataSet& data() const { return *data_; }
-  /// Nothing where this is a free run.
+  /// In the order of the observer's columns.
+  const std::vector<std::string>& outputs() const { return model_->outputs; }
+  /// Nothing where this is a free run from its first sample.
   const std::optional<Observer>& observer() const { return observer_; }
+  /// Whether all rows that are compared are those of a free run.
+  bool free_run() const { return !observer_ || until_s_ < std::numeric_limits<double>::infinity(); }
 
   /// Innovations e = measured - predicted, by row [rows]: before the row's own sample corrects. `plan`: of the same machine
   /// as the nominal one. Fails where the plan cannot be built or a run breaks.
@@ -34,6 +41,9 @@ class Predictor {
   /// RMS by channel that measurement noise alone causes in them. Of a model that is not linear, or has states that the
   /// nominal one has not, it is that of the nominal one.
   Eigen::VectorXd NoiseAlone(const Plan& plan) const;
+
+  /// Whether guards are in that plan's rig, so that small changes are not seen as such. False where it cannot be built.
+  bool IsRough(const Plan& plan) const;
 
   /// How many runs of a record it has made. Thread-safe.
   std::int64_t simulations() const { return simulations_.load(); }
@@ -45,6 +55,7 @@ class Predictor {
   const LinearModel* model_;
   const Registry* registry_;
   std::optional<Observer> observer_;
+  double until_s_ = std::numeric_limits<double>::infinity();  // of the correction
   std::shared_ptr<mechanics::Decompositions> decompositions_;
   mutable std::atomic<std::int64_t> simulations_ = 0;
 };

@@ -9,6 +9,7 @@
 
 #include "experiment/prediction_windows.h"
 #include "identification/between_samples.h"
+#include "identification/corrected_fit.h"
 #include "identification/estimator.h"
 #include "scenario/load.h"
 
@@ -136,12 +137,13 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
       doubts.push_back(fmt::format("{} rests on its bound ({:.6g}): the records want it beyond, or do not show it",
                                    one.key, one.value));
   }
-  if (result.nrmse_after > kWorse * result.nrmse_before)
-    doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", result.nrmse_before,
-                                 result.nrmse_after));
-  if (result.nrmse_after > kNothing)
-    doubts.push_back(fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?",
-                                 result.nrmse_after));
+  const double before = result.level ? result.level->nrmse_before : result.nrmse_before;
+  const double after = result.level ? result.level->nrmse_after : result.nrmse_after;
+  if (after > kWorse * before)
+    doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", before, after));
+  if (after > kNothing)
+    doubts.push_back(
+        fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?", after));
   return doubts;
 }
 
@@ -160,6 +162,8 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   result.nrmse_before = *before;
   if (options.method == IdentifyMethod::kTwoStage) {
     if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
+  } else if (options.method == IdentifyMethod::kCorrected) {
+    if (Status failed = FitCorrected(problem.plan(), data, registry, options, result)) return *failed;
   } else {
     const Result<std::unique_ptr<Objective>> objective = MisfitOf(problem, options.method);
     if (!objective.ok()) return objective.failure();
@@ -224,6 +228,15 @@ nlohmann::json ToJson(const Identified& identified) {
     out["landmarks"] = {{"resonances_hz", identified.landmarks.resonances_hz},
                         {"gains", identified.landmarks.gains},
                         {"zeros_hz", identified.landmarks.zeros_hz}};
+  if (identified.level) {
+    const CorrectedLevel& level = *identified.level;
+    out["corrected"] = {{"memory_s", nullptr},
+                        {"unknown_forces", level.share},
+                        {"nrmse_before", level.nrmse_before},
+                        {"nrmse_after", level.nrmse_after},
+                        {"simulations", level.simulations}};
+    if (level.memory_s) out["corrected"]["memory_s"] = *level.memory_s;
+  }
   for (const IdentifiedValue& one : identified.values) {
     out["parameters"][one.key] = {
         {"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}, {"on_bound", one.on_bound}};
@@ -250,6 +263,15 @@ std::string ToTable(const Identified& identified) {
     text += fmt::format("resonances at {:.1f} Hz; {}\n", fmt::join(resonances, ", "),
                         zeros.empty() ? "no zeros" : fmt::format("zeros at {:.1f} Hz", fmt::join(zeros, ", ")));
   for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
+  if (identified.level) {
+    const CorrectedLevel& level = *identified.level;
+    text += level.memory_s
+                ? fmt::format(
+                      "corrected by the record with a memory of {:.3g} s: NRMSE {:.4g} -> {:.4g}; forces of {:.2g} of "
+                      "what drives are taken for unknown\n",
+                      *level.memory_s, level.nrmse_before, level.nrmse_after, level.share)
+                : fmt::format("judged in the free run, after {} simulations\n", level.simulations);
+  }
   text += fmt::format("NRMSE {:.4g} -> {:.4g}; {} of {} starts reached the best fit\n", identified.nrmse_before,
                       identified.nrmse_after, identified.converged, identified.starts);
   return text;

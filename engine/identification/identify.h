@@ -14,10 +14,11 @@
 namespace dynoproof::identification {
 
 enum class IdentifyMethod {
-  kFreeRun,   // the error of the free run, sample by sample
-  kSpectrum,  // spectra of the outputs in bands, of any scenario
-  kResponse,  // the frequency response of a drive line in one stage: no runs, so many starts
-  kTwoStage,  // thesis (2.69) to (2.72): what is no damping by the resonances and zeros, then dampings by the gains
+  kFreeRun,    // the error of the free run, sample by sample
+  kSpectrum,   // spectra of the outputs in bands, of any scenario
+  kResponse,   // the frequency response of a drive line in one stage: no runs, so many starts
+  kCorrected,  // runs that the record corrects, by a memory that grows (engine/estimation)
+  kTwoStage,   // thesis (2.69) to (2.72): what is no damping by the resonances and zeros, then dampings by the gains
 };
 
 struct IdentifyOptions {
@@ -25,6 +26,14 @@ struct IdentifyOptions {
   IdentifyMethod method = IdentifyMethod::kFreeRun;
   int starts = 4;
   std::function<void(double)> progress = [](double) {};
+};
+
+/// How a model was run beside the record where its numbers were taken.
+struct CorrectedLevel {
+  std::optional<double> memory_s;  // nothing: the free run
+  double share = 0.0;              // of the driving forces, that the model is taken not to know
+  double nrmse_before = 0.0, nrmse_after = 0.0;
+  std::int64_t simulations = 0;  // of all levels
 };
 
 struct IdentifiedValue {
@@ -40,8 +49,9 @@ struct Identified {
                                // not told apart
   std::vector<double> singular;                 // of the Jacobian in the search's own numbers, largest first; by stage
   std::vector<std::vector<std::string>> alike;  // keys that only a combination of is seen
-  int starts = 0, converged = 0;  // starts that reached the best cost within 0.1 %; of two stages the fewer
-  Landmarks landmarks;            // that two stages saw
+  int starts = 0, converged = 0;        // starts that reached the best cost within 0.1 %; of two stages the fewer
+  std::optional<CorrectedLevel> level;  // at which a corrected fit is judged
+  Landmarks landmarks;                  // that two stages saw
   double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
   std::vector<std::string> notes;                // what a reader should know
   std::vector<std::string> doubts;  // why the numbers are worth nothing: on a bound, worse than before, ...

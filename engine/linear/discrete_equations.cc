@@ -63,6 +63,8 @@ BalancedPart Balance(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, do
   const MatrixXd moved = SquareRoot(StationaryCovariance(faded, B * B.transpose()), kSeen);
   const MatrixXd observability = StationaryCovariance(faded.transpose(), C.transpose() * C);
   const MatrixXd seen = SquareRoot(observability, kSeen);
+  if (moved.cols() == 0 || seen.cols() == 0)
+    return {MatrixXd(A.rows(), 0), MatrixXd(0, A.rows()), VectorXd::Zero(A.rows())};
   const Eigen::JacobiSVD<MatrixXd> svd(seen.transpose() * moved, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& sizes = svd.singularValues();
   Index kept = 0;

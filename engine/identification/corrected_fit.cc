@@ -1,0 +1,183 @@
+#include "identification/corrected_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "base/random.h"
+#include "estimation/estimator.h"
+
+namespace dynoproof::identification {
+namespace {
+
+using estimation::DataSet;
+using estimation::LinearModel;
+using estimation::Parameter;
+using estimation::Predictor;
+
+constexpr double kWithoutBounds = 10.0;  // times the nominal value, up and down
+constexpr double kLeadIn = 5.0;          // memories, after which what a start was wrong by is e^-5 of it
+constexpr double kMostLeadIn = 0.2;      // of the record
+constexpr double kStronger = 5.0;        // shorter than the searches' memory: the first level, for numbers far off
+constexpr Eigen::Index kMostRows = 12'000;
+
+/// Searched by its logarithm between bounds of one sign, else linearly.
+Parameter ParameterOf(const FreeKey& key, double nominal) {
+  Parameter parameter;
+  parameter.name = key.key;
+  parameter.lower = std::min(nominal / kWithoutBounds, nominal * kWithoutBounds);
+  parameter.upper = std::max(nominal / kWithoutBounds, nominal * kWithoutBounds);
+  if (key.bounds) parameter.lower = key.bounds->first, parameter.upper = key.bounds->second;
+  const double within = std::clamp(nominal, parameter.lower, parameter.upper);
+  parameter.logarithmic = parameter.lower * parameter.upper > 0.0;
+  parameter.reference = parameter.logarithmic ? within : 0.0;
+  const double largest = std::max(std::abs(parameter.lower), std::abs(parameter.upper));
+  parameter.scale = parameter.logarithmic ? 1.0 : std::max(std::abs(within), 0.01 * largest);
+  return parameter;
+}
+
+/// NRMSE over all outputs.
+double NrmseOf(const DataSet& data, const Eigen::VectorXd& innovations) {
+  double sum = 0.0, rows = 0.0;
+  for (const estimation::Channel& channel : data.channels()) {
+    sum +=
+        innovations.segment(channel.begin, channel.count).squaredNorm() / std::pow(std::max(channel.spread, 1e-300), 2);
+    rows += static_cast<double>(channel.count);
+  }
+  return std::sqrt(sum / std::max(rows, 1.0));
+}
+
+/// Whether nothing is left but what measurement noise causes.
+bool AtNoise(const estimation::Estimate& fit) {
+  constexpr double kMost = 1.2;
+  return std::ranges::all_of(
+      fit.scales, [](const estimation::ChannelScale& scale) { return scale.rms <= kMost * scale.noise_alone; });
+}
+
+/// Values of `best`. Intervals: of an exact model its own; of another the hull over all levels, for how much a number
+/// depends on what is taken for unknown is what the model's error makes of it.
+void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<estimation::Estimate>& fits,
+               std::size_t best, const DataSet& data, Identified& result) {
+  constexpr double kTwoSided = 1.959964, kOnBound = 1e-6;
+  const estimation::Estimate& fit = fits[best];
+  const bool exact = best + 1 == fits.size() && AtNoise(fit);
+  const Eigen::VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
+  Eigen::VectorXd low = fit.q, high = fit.q, slope(fit.q.size());
+  for (const estimation::Estimate& level : fits) {
+    if (!level.ok() || (exact && &level != &fit)) continue;
+    const Eigen::VectorXd half =
+        kTwoSided * estimation::Sandwich(level, data, hypothesis).diagonal().cwiseMax(0.0).cwiseSqrt();
+    low = low.cwiseMin(level.q - half);
+    high = high.cwiseMax(level.q + half);
+  }
+  for (Eigen::Index i = 0; i < fit.q.size(); ++i) {
+    const Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
+    const double width = upper[i] - lower[i], value = parameter.ValueAt(fit.q[i]);
+    slope[i] = parameter.logarithmic ? parameter.scale * value : parameter.scale;
+    IdentifiedValue one{parameter.name, 0.0, value, std::nullopt, false};
+    one.nominal = hypothesis.nominal().root.FindPath(parameter.name)->number();
+    one.on_bound = fit.q[i] < lower[i] + kOnBound * width || fit.q[i] > upper[i] - kOnBound * width;
+    const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
+    if (!one.on_bound && high[i] - low[i] < width) one.interval = {std::min(a, b), std::max(a, b)};
+    result.values.push_back(std::move(one));
+  }
+  result.covariance = slope.asDiagonal() * estimation::Sandwich(fit, data, hypothesis) * slope.asDiagonal();
+  const Eigen::VectorXd singular = fit.jacobian.jacobiSvd().singularValues();
+  result.singular.assign(singular.begin(), singular.end());
+}
+
+/// The nominal values; or the best of some random points, anywhere within the bounds that are given, else within a factor.
+Eigen::VectorXd StartOf(const estimation::Hypothesis& hypothesis, const std::vector<FreeKey>& keys, int start,
+                        const Predictor& predictor) {
+  constexpr std::uint64_t kSeed = 11;
+  constexpr double kFactor = 2.0;
+  constexpr int kTries = 20;
+  if (start == 0) return hypothesis.start();
+  Eigen::VectorXd best = hypothesis.start();
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kTries; ++k) {
+    Eigen::VectorXd q = hypothesis.start();
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const Parameter& parameter = hypothesis.parameters()[i];
+      const auto at = static_cast<Eigen::Index>(i);
+      double low = hypothesis.lower()[at], high = hypothesis.upper()[at];
+      if (!keys[i].bounds && parameter.logarithmic)
+        low = std::max(low, q[at] - std::log(kFactor)), high = std::min(high, q[at] + std::log(kFactor));
+      q[at] = low + (high - low) * RandomUniform(kSeed, static_cast<std::uint64_t>(start * kTries + k), i);
+    }
+    const Result<Eigen::VectorXd> innovations = predictor.Innovations(hypothesis.At(q));
+    const double left = innovations.ok() ? NrmseOf(predictor.data(), *innovations) : least;
+    if (left < least) least = left, best = q;
+  }
+  return best;
+}
+
+}  // namespace
+
+Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                    const IdentifyOptions& options, Identified& result) {
+  estimation::Hypothesis hypothesis(plan);
+  for (const FreeKey& key : options.keys)
+    hypothesis = hypothesis.WithFree(ParameterOf(key, plan.root.FindPath(key.key)->number()));
+  const DataSet whole(data, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
+  if (!model.ok()) return model.failure();
+  const double duration_s = whole.records().front().end_s;
+  std::vector<double> memories = estimation::MemoriesFor(*model, duration_s);
+  memories.insert(memories.begin(), memories.front() / kStronger);
+  // A record that begins as the plan does needs no lead-in, and none is better: what noise makes of a state that is found
+  // in one stays in the free run behind it.
+  const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
+  const double lead_in_s = in_motion ? std::min(kLeadIn * memories.front(), kMostLeadIn * duration_s) : 0.0;
+  const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows});
+  const auto known = std::make_shared<mechanics::Decompositions>();
+  std::vector<std::unique_ptr<Predictor>> levels;
+  for (const double memory_s : memories)
+    levels.push_back(std::make_unique<Predictor>(compared, *model, registry, memory_s, known));
+  if (in_motion)
+    levels.push_back(std::make_unique<Predictor>(*levels.front(), lead_in_s));
+  else
+    levels.push_back(std::make_unique<Predictor>(compared, *model, registry, std::nullopt, known));
+  std::vector<const Predictor*> order;
+  for (const auto& level : levels) order.push_back(level.get());
+  // From the nominal values, and from others until one ends at the noise.
+  std::vector<estimation::Estimate> fits;
+  std::size_t best = 0;
+  double likeliest = -std::numeric_limits<double>::infinity();
+  std::vector<double> ends;
+  for (int start = 0; start < options.starts; ++start) {
+    std::vector<estimation::Estimate> chain =
+        estimation::FitThrough(hypothesis, order, StartOf(hypothesis, options.keys, start, *levels.front()));
+    double end = -std::numeric_limits<double>::infinity();
+    std::size_t own = 0;
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const double likelihood = chain[i].ok() ? estimation::LogLikelihood(chain[i], *levels[i]) : end;
+      if (likelihood > end) end = likelihood, own = i;
+    }
+    ends.push_back(end);
+    const bool exact = chain.size() == levels.size() && chain.back().ok() && AtNoise(chain.back());
+    if (end > likeliest) fits = std::move(chain), best = own, likeliest = end;
+    options.progress(static_cast<double>(start + 1) / options.starts);
+    if (exact) break;
+  }
+  CorrectedLevel told;
+  for (const auto& level : levels) told.simulations += level->simulations();
+  if (fits.empty()) return Failure{"no run beside the record holds", plan.id, {}, 4};
+  const Result<Eigen::VectorXd> nominal = levels[best]->Innovations(plan);
+  if (!levels[best]->free_run()) {
+    told.memory_s = levels[best]->observer()->memory_s();
+    told.share = levels[best]->observer()->share();
+  }
+  told.nrmse_before = nominal.ok() ? NrmseOf(compared, *nominal) : std::numeric_limits<double>::infinity();
+  told.nrmse_after = NrmseOf(compared, fits[best].innovations);
+  result.level = told;
+  constexpr double kSame = 1e-3;  // of the likelihood a row
+  result.starts = static_cast<int>(ends.size());
+  result.converged = static_cast<int>(std::ranges::count_if(ends, [&](double end) { return end > likeliest - kSame; }));
+  AddValues(hypothesis, fits, best, compared, result);
+  return {};
+}
+
+}  // namespace dynoproof::identification

@@ -1,0 +1,18 @@
+// Numbers of a scenario by runs that the record corrects: one minimum where the free run has dozens (engine/estimation).
+#pragma once
+
+#include <vector>
+
+#include "identification/identify.h"
+
+namespace dynoproof::identification {
+
+/// Fits through the levels of correction, and takes the numbers of that level whose expected innovations explain the seen
+/// ones best (by likelihood): of an exact model the free run, of another the one that leaves as much unknown as there is.
+/// From the nominal values, and from other starts until one ends at the noise. Intervals by the sandwich there, of an inexact
+/// model the hull over the levels. Fills values, covariance, level and singular of `result`; fails where the nominal run
+/// breaks at every level.
+Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                    const IdentifyOptions& options, Identified& result);
+
+}  // namespace dynoproof::identification
