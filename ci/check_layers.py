@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "thesis": ["campaign", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
                "control10k"],
     "reports": ["campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
-    "app": ["reports", "campaign", "history", "diagnosis", "identification", "experiment", "scenario", "sim", "trace", "score", "model",
+    "app": ["reports", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
             "linear", "base"],
 }
 # engine/thesis can be deleted: only its own commands and the program's two hooks, main.cc and app.cc, know it.

@@ -7,7 +7,7 @@
 #include "app/app.h"
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
-#include "diagnosis/prediction_horizon.h"
+#include "estimation/horizon.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
@@ -76,7 +76,7 @@ int CheckData(const CheckArguments& arguments) {
   });
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
   bool compared = false;
-  std::optional<diagnosis::PredictionHorizon> horizon;
+  std::optional<estimation::Horizon> horizon;
   if (!arguments.scenario.empty() && usable) {
     const std::vector<std::string> maps =
         arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
@@ -103,15 +103,15 @@ int CheckData(const CheckArguments& arguments) {
       }
       compared = !measured->data.front().outputs.empty();
       if (compared) {
-        Result<std::optional<diagnosis::PredictionHorizon>> ahead =
-            diagnosis::PredictionHorizonOf(measured->plan, measured->data.front(), *registry);
+        Result<std::optional<estimation::Horizon>> ahead =
+            estimation::HorizonOf(measured->plan, measured->data.front(), *registry);
         if (!ahead.ok()) {
           Complain(ahead.failure().ToString() + "\n");
           return ahead.failure().exit_code;
         }
         horizon = *std::move(ahead);
         if (!horizon)
-          Note("how far ahead the scenario predicts is not told: no output moves, or the model has too many states\n");
+          Note("how far ahead the scenario predicts is not told: no output moves, or the record is too short\n");
       }
     }
   }
@@ -140,16 +140,7 @@ int CheckData(const CheckArguments& arguments) {
   Print(arguments.common, text);
   const int exit = faults > 0 ? kUsage : !arguments.scenario.empty() && !compared ? kUndecided : kGood;
   nlohmann::json json = {{"findings", std::move(list)}};
-  if (horizon) {
-    json["horizon_s"] = horizon->horizon_s;
-    json["noise"] = horizon->noise;
-    json["levels"] = nlohmann::json::array();
-    for (const diagnosis::PredictionLevel& level : horizon->levels)
-      json["levels"].push_back({{"window_s", level.window_s ? nlohmann::json(*level.window_s) : nlohmann::json()},
-                                {"nrmse", level.nrmse},
-                                {"nrmse_by_noise", level.by_noise},
-                                {"at_noise", level.at_noise}});
-  }
+  if (horizon) AddTo(json, *horizon);
   KeepJson(std::move(json));
   return exit;
 }
@@ -164,12 +155,13 @@ void AddCheckData(CLI::App& program, int& exit) {
   command->add_option("--scenario", arguments->scenario,
                       "check units, signs, delays and columns against its simulation");
   AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof check-data record.csv\n"
-              "  dynoproof check-data record.csv --map map.toml --scenario diagnose/r2r_soft\n"
-              "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE), and how "
-              "far ahead the\n"
-              "scenario predicts it: in windows that begin from what the record before them tells, and in a free run.");
+  AddExamples(
+      *command,
+      "  dynoproof check-data record.csv\n"
+      "  dynoproof check-data record.csv --map map.toml --scenario diagnose/r2r_soft\n"
+      "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE), and how "
+      "far ahead the\n"
+      "scenario predicts it: in runs that the record corrects, by a memory from a few samples on, and in a free run.");
   command->callback([arguments, &exit] { exit = CheckData(*arguments); });
 }
 

@@ -14,6 +14,7 @@
 #include "app/measured.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "estimation/horizon.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
 #include "experiment/warnings.h"
@@ -114,6 +115,16 @@ std::optional<MappedRecord> ReadData(const RunArguments& arguments, const Rig& r
   return OpenRecord(arguments.data, arguments.map, InputNames(rig), OutputNames(rig), diagnostics);
 }
 
+/// How far ahead the scenario predicts the record that drives it; nothing where that cannot be said.
+std::optional<estimation::Horizon> HorizonOf(const std::vector<ScenarioResult>& results, const Prepared& prepared,
+                                             const std::optional<MappedRecord>& data) {
+  if (!data || data->outputs.empty() || !results.front().broken.empty()) return std::nullopt;
+  Result<std::optional<estimation::Horizon>> horizon = estimation::HorizonOf(prepared.plan, *data, *prepared.registry);
+  if (horizon.ok()) return *std::move(horizon);
+  Note(fmt::format("how far ahead the scenario predicts is not told: {}\n", horizon.failure().ToString()));
+  return std::nullopt;
+}
+
 int Run(const RunArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
@@ -170,6 +181,9 @@ int Run(const RunArguments& arguments) {
   const bool colour = ColourOn(arguments.common.json == "-" ? STDERR_FILENO : STDOUT_FILENO);
   Print(arguments.common, reports::ToTable(results, colour));
   Print(arguments.common, reports::ToCards(results, again, colour));
+  const std::optional<estimation::Horizon> horizon =
+      results.empty() ? std::nullopt : HorizonOf(results, *scenarios.front(), data);
+  if (horizon) Print(arguments.common, horizon->ToText());
   for (const ScenarioResult& result : results) {
     for (const std::string& note : result.notes) Note(fmt::format("{}: {}\n", result.id, note));
   }
@@ -177,7 +191,9 @@ int Run(const RunArguments& arguments) {
   if (!arguments.markdown.empty())
     exit = reports::WorseExit(exit, WriteText(arguments.markdown, reports::ToMarkdown(results)));
   if (!arguments.html.empty()) exit = reports::WorseExit(exit, WriteHtml(arguments.html, page.Finish(results)));
-  KeepJson(reports::ToJson(results));
+  nlohmann::json document = reports::ToJson(results);
+  if (horizon) AddTo(document["scenarios"].front(), *horizon);
+  KeepJson(std::move(document));
   return exit;
 }
 

@@ -10,7 +10,7 @@
 namespace dynoproof::estimation {
 namespace {
 
-constexpr double kLeastNoise = 1e-4;  // of the spread
+constexpr double kLeastNoise = 1e-4;  // of the spread: what a simulation is good for
 
 /// The rows up to `end_s`.
 Series Until(const Series& series, double end_s) {
@@ -51,14 +51,14 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       const auto first = std::lower_bound(t.begin(), t.end(), options.from_s) - t.begin();
       Eigen::Index every = 1;
       while ((std::ssize(t) - first) / every > options.most_rows) ++every;
-      Channel channel{r,
-                      name,
-                      plan.root.TextOr("output." + name + ".unit", "1"),
-                      score::StandardDeviation(y),
-                      0.0,
-                      std::ssize(measured),
-                      0};
-      channel.noise = std::max({WhiteNoise(y), kLeastNoise * channel.spread, 1e-300});
+      Channel channel;
+      channel.record = r;
+      channel.name = name;
+      channel.unit = plan.root.TextOr("output." + name + ".unit", "1");
+      channel.spread = score::StandardDeviation(y);
+      channel.white = WhiteNoise(y);
+      channel.noise = std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
+      channel.begin = std::ssize(measured);
       for (auto i = first; i < std::ssize(t); i += every) {
         measured.push_back(y[static_cast<std::size_t>(i)]);
         time_s_.push_back(t[static_cast<std::size_t>(i)]);

@@ -15,9 +15,8 @@ struct Channel {
   std::size_t record = 0;
   std::string name, unit;
   double spread = 0.0;  // standard deviation of the signal
-  /// Standard deviation of its white noise, as differences of the sixth order show it; at least 1e-4 of the spread, which is
-  /// what a simulation is good for.
-  double noise = 0.0;
+  double white = 0.0;   // standard deviation of its white noise, as differences of the sixth order show it
+  double noise = 0.0;   // what it counts as measured to: the noise, and at least 1e-4 of the spread
   Eigen::Index begin = 0, count = 0;
 };
 

@@ -304,9 +304,7 @@ Result<LinearModel::Regime> LinearModel::Reduced(const BuiltRun& run) const {
 }
 
 Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_s, double memory_s)
-    : states_(model.states),
-      noise_(noise),
-      stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
+    : states_(model.states), stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
   const VectorXd variance = noise.cwiseAbs2();
   const double periods = stride_;
   for (const LinearModel::Regime& regime : model.regimes) {
@@ -351,12 +349,12 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   }
 }
 
-VectorXd Observer::NoiseAlone(const LinearModel::Regime& model) const {
+VectorXd Observer::NoiseAlone(const LinearModel::Regime& model, const VectorXd& white) const {
   const MatrixXd& K = gains_.front().reduced;
   const MatrixXd A = Over(stride_, model.A, model.G).first, AK = A * K;
   const MatrixXd covariance =
-      mechanics::StationaryCovariance(A - AK * model.C, AK * noise_.cwiseAbs2().asDiagonal() * AK.transpose());
-  return ((model.C * covariance * model.C.transpose()).diagonal() + noise_.cwiseAbs2()).cwiseSqrt();
+      mechanics::StationaryCovariance(A - AK * model.C, AK * white.cwiseAbs2().asDiagonal() * AK.transpose());
+  return ((model.C * covariance * model.C.transpose()).diagonal() + white.cwiseAbs2()).cwiseSqrt();
 }
 
 std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::vector<int>& modes) const {

@@ -47,8 +47,9 @@ class Observer {
   double share() const { return share_; }
   /// Covariance of the innovations [outputs x outputs], if forces as large as share() act and nothing else is unknown.
   const Eigen::MatrixXd& innovation_covariance() const { return innovation_covariance_; }
-  /// RMS by output that measurement noise alone causes in the innovations of a corrected linear model.
-  Eigen::VectorXd NoiseAlone(const LinearModel::Regime& model) const;
+  /// RMS by output that measurement noise of these standard deviations alone causes in the innovations of a corrected
+  /// linear model.
+  Eigen::VectorXd NoiseAlone(const LinearModel::Regime& model, const Eigen::VectorXd& white) const;
 
   /// For a rig in these modes: by output, the change of each of the rig's states. States that the nominal model does not
   /// have are not corrected.
@@ -61,7 +62,6 @@ class Observer {
   };
   std::vector<std::string> states_;
   std::vector<Gain> gains_;
-  Eigen::VectorXd noise_;
   int stride_ = 1;  // periods between samples
   double memory_s_ = 0.0, share_ = 0.0;
   Eigen::MatrixXd innovation_covariance_;

@@ -152,10 +152,14 @@ VectorXd Predictor::NoiseAlone(const Plan& plan) const {
   if (free_run()) return alone;
   const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
   const Result<LinearModel::Regime> own = run.ok() ? model_->Reduced(*run) : Result<LinearModel::Regime>(run.failure());
-  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : model_->regimes.front());
+  VectorXd white(std::ssize(model_->outputs));
+  for (Index j = 0; j < white.size(); ++j)
+    white[j] =
+        std::ranges::find(data_->channels(), model_->outputs[static_cast<std::size_t>(j)], &Channel::name)->white;
+  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : model_->regimes.front(), white);
   for (Index c = 0; c < alone.size(); ++c) {
     const std::string& name = data_->channels()[static_cast<std::size_t>(c)].name;
-    alone[c] = by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()];
+    alone[c] = std::max(alone[c], by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()]);
   }
   return alone;
 }

@@ -289,7 +289,7 @@ TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
       if (finding["kind"] == "distance") distances[finding["column"]] = finding;
     }
     horizon_s = document.at("horizon_s");
-    EXPECT_EQ(document.at("levels").back().at("window_s"), nullptr);
+    EXPECT_EQ(document.at("levels").back().at("memory_s"), nullptr);
     return std::pair(outcome, distances);
   };
   Record("");

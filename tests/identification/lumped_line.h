@@ -12,7 +12,7 @@
 namespace dynoproof::identification {
 
 /// The lumped heavy-duty line with all built-in plugins and kinds of checks.
-class LumpedLine : public testing::Test {
+class LumpedLine : public ::testing::Test {
  protected:
   LumpedLine() {
     RegisterBuiltIns(registry_);

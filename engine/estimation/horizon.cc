@@ -1,0 +1,118 @@
+#include "estimation/horizon.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "estimation/predictor.h"
+#include "experiment/prepare.h"
+#include "score/series.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+constexpr double kMostPeriods = 2e4;                // of a record are looked at: 2 s of a drive line
+constexpr double kFirst = 10.0;                     // samples
+constexpr double kLonger = 3.1622776601683795;      // sqrt(10): two memories a decade
+constexpr double kMostOfRecord = 0.2;               // memories in a record: of fewer than five little is seen
+constexpr double kLeadIn = 5.0, kMostLeadIn = 0.3;  // memories, share of the record: after which a start does not count
+constexpr double kReached = 0.7;  // a plant that forgets by itself within less is in its free run already
+constexpr double kAtNoise = 1.2;  // times what noise alone causes: its size is known to some hundredths
+constexpr double kMoves = 1e-12;  // of the usual magnitude
+
+}  // namespace
+
+Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const Registry& registry) {
+  StartFromRecord(record, registry, plan);
+  const double period_s = plan.root.NumberOr("run.period_s", RunSettings().period_s);
+  std::erase_if(record.outputs, [&](const auto& output) {
+    const double nominal = plan.root.NumberOr("output." + output.first + ".nominal", 1.0);
+    return !(score::StandardDeviation(*output.second.values) > kMoves * nominal);
+  });
+  if (record.outputs.empty()) return std::optional<Horizon>();
+  double step_s = record.end_s;
+  for (const auto& [name, series] : record.outputs) step_s = std::min(step_s, score::MedianStep(*series.time));
+  const double end_s = std::min(record.end_s, kMostPeriods * period_s);
+  if (!(step_s > 0.0) || end_s < kFirst / kMostOfRecord * step_s) return std::optional<Horizon>();
+  const DataSet whole({record}, plan, {.most_s = end_s});
+  const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
+  if (!model.ok()) return model.failure();
+  const auto known = std::make_shared<mechanics::Decompositions>();
+  Horizon horizon;
+  for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.noise / channel.spread;
+  const auto look = [&](const Predictor& predictor) -> Result<HorizonLevel> {
+    const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
+    if (!rows.ok()) return rows.failure();
+    const Eigen::VectorXd alone = predictor.NoiseAlone(plan);
+    HorizonLevel level;
+    level.at_noise = true;
+    Eigen::Index c = 0;
+    for (const Channel& channel : predictor.data().channels()) {
+      const double rms =
+          std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count));
+      level.nrmse[channel.name] = rms / channel.spread;
+      level.by_noise[channel.name] = alone[c] / channel.spread;
+      level.at_noise = level.at_noise && rms <= kAtNoise * alone[c];
+      ++c;
+    }
+    return level;
+  };
+  bool within = true;
+  for (double memory_s = kFirst * step_s; memory_s <= kMostOfRecord * end_s; memory_s *= kLonger) {
+    const double lead_in_s = record.in_motion ? std::min(kLeadIn * memory_s, kMostLeadIn * end_s) : 0.0;
+    const DataSet data({record}, plan, {.from_s = lead_in_s, .most_s = end_s});
+    const Predictor predictor(data, *model, registry, memory_s, known);
+    if (!predictor.observer() || predictor.observer()->memory_s() < kReached * memory_s) break;
+    if (predictor.observer()->memory_s() > memory_s / kReached) continue;  // no forces make it as short
+    Result<HorizonLevel> level = look(predictor);
+    if (!level.ok()) break;  // what diverges beside its record is told by the free run
+    level->memory_s = predictor.observer()->memory_s();
+    level->share = predictor.observer()->share();
+    within = within && level->at_noise;
+    if (within) horizon.horizon_s = *level->memory_s;
+    horizon.levels.push_back(*std::move(level));
+  }
+  Result<HorizonLevel> free = look(Predictor(whole, *model, registry, std::nullopt, known));
+  if (!free.ok()) return free.failure();
+  if (free->at_noise) horizon.horizon_s = end_s;
+  horizon.levels.push_back(*std::move(free));
+  return std::optional(std::move(horizon));
+}
+
+std::string Horizon::ToText() const {
+  std::string text = fmt::format("\n  {:<24}", "NRMSE with a memory of");
+  for (const auto& [name, floor] : noise) text += fmt::format("{:>24}", name);
+  text += "\n";
+  for (const HorizonLevel& level : levels) {
+    text += fmt::format("  {:<24}", level.memory_s ? fmt::format("{:.3g} s", *level.memory_s) : "all (free run)");
+    for (const auto& [name, floor] : noise)
+      text += fmt::format("{:>24}", fmt::format("{:.3g} ({:.3g})", level.nrmse.at(name), level.by_noise.at(name)));
+    text += level.at_noise ? "  noise\n" : "\n";
+  }
+  text += "  of a run that the record corrects; in brackets: what the record's noise alone causes";
+  if (levels.back().at_noise) return text + "\n  the model predicts the whole record to its noise\n";
+  if (horizon_s > 0.0)
+    return text +
+           fmt::format("\n  the model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up\n",
+                       horizon_s);
+  if (levels.size() == 1) return text + "\n  the model's free run is off\n";
+  return text +
+         fmt::format("\n  the model is off within {:.3g} s: a force is missing or wrong\n", *levels.front().memory_s);
+}
+
+void AddTo(nlohmann::json& document, const Horizon& horizon) {
+  document["horizon_s"] = horizon.horizon_s;
+  document["noise"] = horizon.noise;
+  document["levels"] = nlohmann::json::array();
+  for (const HorizonLevel& level : horizon.levels)
+    document["levels"].push_back({{"memory_s", level.memory_s ? nlohmann::json(*level.memory_s) : nlohmann::json()},
+                                  {"unknown_forces", level.share},
+                                  {"nrmse", level.nrmse},
+                                  {"nrmse_by_noise", level.by_noise},
+                                  {"at_noise", level.at_noise}});
+}
+
+}  // namespace dynoproof::estimation
