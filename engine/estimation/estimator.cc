@@ -286,8 +286,7 @@ std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector
   VectorXd from = start;
   for (const Predictor* level : levels) {
     estimates.push_back(Fit(hypothesis, *level, from, options));
-    if (!estimates.back().ok()) break;
-    from = estimates.back().q;
+    if (estimates.back().ok()) from = estimates.back().q;
   }
   return estimates;
 }

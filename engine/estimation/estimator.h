@@ -52,8 +52,8 @@ struct EstimatorOptions {
 Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Eigen::VectorXd& start,
              const EstimatorOptions& options = {});
 
-/// Through the predictors in order, each from the estimate of the one before. The first that breaks or diverges ends it;
-/// what was reached until then stands.
+/// Through the predictors in order, each from the estimate of the last one before that holds: a run may diverge beside its
+/// record with one memory, and hold with the next. One estimate a predictor.
 std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,
                                  const Eigen::VectorXd& start, const EstimatorOptions& options = {});
 

@@ -28,6 +28,7 @@ constexpr double kStep = 1e-6;           // of differences of a nonlinear model,
 // Shares between which unknown forces are sought, four a decade: beyond, a record is followed rather than predicted.
 constexpr double kLeastShare = 1e-6, kMostShare = 10.0;
 constexpr int kShares = 29, kHalvings = 8;
+constexpr double kRemembered = 1e3;
 constexpr double kNotSeen = 1e-9;  // of what the outputs see most of
 
 /// Differences about frames of one run.
@@ -278,7 +279,20 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   VectorXd size(std::ssize(outputs));
   for (Index j = 0; j < size.size(); ++j)
     size[j] = run->rig->outputs[static_cast<std::size_t>(outputs[static_cast<std::size_t>(j)])].nominal;
-  model.part = mechanics::Balance(first.A, first.G, size.cwiseInverse().asDiagonal() * first.C, leak, kMostStates);
+  const MatrixXd weights = size.cwiseInverse().asDiagonal();
+  model.part = mechanics::Balance(first.A, first.G, weights * first.C, leak, kMostStates);
+  if (n <= kMostStates) {
+    // Few states are all kept, but those that no regime ever sees: what one does not see another may.
+    for (const Regime& regime : model.regimes)
+      model.part.seen =
+          model.part.seen.cwiseMax(mechanics::Balance(regime.A, regime.G, weights * regime.C, leak, kMostStates).seen);
+    std::vector<Index> kept;
+    for (Index i = 0; i < n; ++i) {
+      if (model.part.seen[i] >= kNotSeen) kept.push_back(i);
+    }
+    model.part.basis = MatrixXd::Identity(n, n)(Eigen::indexing::all, kept);
+    model.part.reduction = model.part.basis.transpose();
+  }
   for (Regime& regime : model.regimes) {
     regime.A = (model.part.reduction * regime.A * model.part.basis).eval();
     regime.G = (model.part.reduction * regime.G).eval();
@@ -307,45 +321,53 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
     : states_(model.states), stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
   const VectorXd variance = noise.cwiseAbs2();
   const double periods = stride_;
-  for (const LinearModel::Regime& regime : model.regimes) {
+  // What no output sees in a regime, as the way through a gap, would become ever more uncertain: nothing is remembered for
+  // longer than a thousand memories.
+  const double leak = std::exp(-periods * model.period_s / (kRemembered * memory_s));
+  const auto filter_of = [&](const LinearModel::Regime& regime, double share) {
     const auto [A, unit] = Over(stride_, regime.A, regime.G);
-    const auto gain_at = [&, &A = A, &unit = unit](double share) {
-      return mechanics::MakeStationaryFilter(A, regime.C, share * share * unit, variance);
-    };
-    const auto slowest = [&, &A = A](const MatrixXd& gain) {
-      return periods * model.period_s * SlowestOf(A - A * gain * regime.C);
-    };
-    const auto share_at = [](double place) {
-      return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
-    };
-    // The smallest share that forgets as fast as wanted; the fastest, where none does.
-    int first = -1, fastest = 0;
-    double least_s = std::numeric_limits<double>::infinity();
+    return mechanics::MakeStationaryFilter(leak * A, regime.C, share * share * unit, variance);
+  };
+  const auto slowest = [&](const LinearModel::Regime& regime, double share) {
+    const MatrixXd A = Over(stride_, regime.A, regime.G).first;
+    return periods * model.period_s * SlowestOf(A - A * filter_of(regime, share).gain * regime.C);
+  };
+  const auto share_at = [](double place) {
+    return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
+  };
+  // The smallest share with which the most visited regime that can forgets as fast as wanted; the fastest, where none can.
+  double best_s = std::numeric_limits<double>::infinity();
+  const LinearModel::Regime* told = &model.regimes.front();
+  for (const LinearModel::Regime& regime : model.regimes) {
+    int first = -1;
     for (int i = 0; i < kShares && first < 0; ++i) {
-      const double found_s = slowest(gain_at(share_at(i)).gain);
+      const double found_s = slowest(regime, share_at(i));
       if (found_s <= memory_s) first = i;
-      if (found_s < least_s) least_s = found_s, fastest = i;
+      if (found_s < best_s) best_s = found_s, share_ = share_at(i), told = &regime;
     }
-    double low = first - 1, high = first >= 0 ? first : fastest;
+    if (first < 0) continue;
+    double low = first - 1, high = first;
     for (int i = 0; i < kHalvings && first > 0; ++i) {
       const double middle = 0.5 * (low + high);
-      (slowest(gain_at(share_at(middle)).gain) > memory_s ? low : high) = middle;
+      (slowest(regime, share_at(middle)) > memory_s ? low : high) = middle;
     }
-    const double share = share_at(high);
-    const mechanics::StationaryFilter filter = gain_at(share);
-    const MatrixXd& gain = filter.gain;
-    if (gains_.empty()) {
-      memory_s_ = slowest(gain);
-      share_ = share;
+    share_ = share_at(high);
+    told = &regime;
+    break;
+  }
+  for (const LinearModel::Regime& regime : model.regimes) {
+    const mechanics::StationaryFilter filter = filter_of(regime, share_);
+    if (&regime == told) {
+      memory_s_ = slowest(regime, share_);
       innovation_covariance_ = regime.C * filter.covariance * regime.C.transpose() + MatrixXd(variance.asDiagonal());
     }
-    MatrixXd physical = model.scale.asDiagonal() * model.part.basis * gain;
+    MatrixXd physical = model.scale.asDiagonal() * model.part.basis * filter.gain;
     // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would
     // make a spring of a friction.
     for (Index i = 0; i < physical.rows(); ++i) {
       if (model.part.seen[i] < kNotSeen) physical.row(i).setZero();
     }
-    gains_.push_back({regime.modes, gain, std::move(physical)});
+    gains_.push_back({regime.modes, filter.gain, std::move(physical)});
   }
 }
 

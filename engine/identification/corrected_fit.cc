@@ -20,7 +20,7 @@ using estimation::Predictor;
 constexpr double kWithoutBounds = 10.0;  // times the nominal value, up and down
 constexpr double kLeadIn = 5.0;          // memories, after which what a start was wrong by is e^-5 of it
 constexpr double kMostLeadIn = 0.2;      // of the record
-constexpr double kStronger = 5.0;        // shorter than the searches' memory: the first level, for numbers far off
+constexpr double kLonger = 5.0;  // from level to level; the first is as much shorter than a search's usual memory
 constexpr Eigen::Index kMostRows = 12'000;
 
 /// Searched by its logarithm between bounds of one sign, else linearly.
@@ -125,8 +125,10 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
   const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
   if (!model.ok()) return model.failure();
   const double duration_s = whole.records().front().end_s;
-  std::vector<double> memories = estimation::MemoriesFor(*model, duration_s);
-  memories.insert(memories.begin(), memories.front() / kStronger);
+  std::vector<double> memories;
+  for (double memory_s = estimation::MemoriesFor(*model, duration_s).front() / kLonger; memory_s < duration_s;
+       memory_s *= kLonger)
+    memories.push_back(memory_s);
   // A record that begins as the plan does needs no lead-in, and none is better: what noise makes of a state that is found
   // in one stays in the free run behind it.
   const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);

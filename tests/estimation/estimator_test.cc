@@ -94,7 +94,7 @@ TEST(Estimator, FindsAStiffnessOfALineFarOff) {
     ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k2", truth, 100), 0.0, truth, 0.01, 0.002, 1000);
 }
 
-TEST(Estimator, FindsFrictionOfALine) {
+TEST(Estimator, SlowFindsFrictionOfALine) {
   ExpectTruth(Hidden(FourMasses(1.2), "coulomb_friction", "inertia:I4", 8.0, 101), 1.0, 8.0, 0.4, 0.2, 1000);
 }
 

@@ -99,10 +99,11 @@ TEST(Predictor, OfALinearModelIsAKalmanFilter) {
   ASSERT_TRUE(rows.ok());
   // The filter by matrices: x+ = A (x + K e) + B u, with the reduced model of the same plan; the input is its last force.
   const LinearModel::Regime& m = model->regimes.front();
-  const Eigen::MatrixXd K =
-      mechanics::MakeStationaryFilter(m.A, m.C, std::pow(predictor.observer()->share(), 2) * m.G * m.G.transpose(),
-                                      Eigen::Vector2d(data.channels()[0].noise, data.channels()[1].noise).cwiseAbs2())
-          .gain;
+  const double leak = std::exp(-1e-4 / (1e3 * 0.025));  // nothing is remembered for longer than a thousand memories
+  const Eigen::MatrixXd K = mechanics::MakeStationaryFilter(
+                                leak * m.A, m.C, std::pow(predictor.observer()->share(), 2) * m.G * m.G.transpose(),
+                                Eigen::Vector2d(data.channels()[0].noise, data.channels()[1].noise).cwiseAbs2())
+                                .gain;
   const std::vector<double>& torque = *record.inputs.at("T").values;
   const double usual = score::RootMeanSquare(torque);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(m.A.rows());

