@@ -133,6 +133,8 @@ nlohmann::json ToJson(const std::vector<ScenarioResult>& results) {
                                     {"unit", check.unit},
                                     {"origin", check.origin},
                                     {"explanation", check.explanation}});
+      // The key is absent where value, limit and unit say all that the card shows.
+      if (!check.shown.empty()) scenario["checks"].back()["shown"] = check.shown;
     }
     for (const auto& [name, figure] : result.figures) {
       scenario["figures"][name] = {{"value", Number(figure.value)}, {"unit", figure.unit}};

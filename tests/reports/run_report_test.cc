@@ -40,6 +40,18 @@ TEST(Cards, TellTheValueInTheSignalsUnitWhereItIsKnown) {
   }
 }
 
+TEST(Json, HasWhatTheCardShowsOnlyWhereItShowsMoreThanTheNumber) {
+  ScenarioResult result = Result("s", score::Verdict::kFail, 2, "");
+  result.checks[0].value = 5.4e7;
+  result.checks[0].shown = "30 N m off at t = 0.5 s (1e-06 N m allowed)";
+  const nlohmann::json document = ToJson({result});
+  const nlohmann::json& checks = document["scenarios"][0]["checks"];
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0]["shown"], result.checks[0].shown);
+  EXPECT_EQ(checks[0]["value"], 5.4e7);
+  EXPECT_FALSE(checks[1].contains("shown")) << "nothing is invented where value and limit say it";
+}
+
 TEST(Markdown, HasTheWorstFirstAndNoMarkupOfOthers) {
   const std::string text = ToMarkdown({Result("fine", score::Verdict::kPass, 1, ""),
                                        Result("short", score::Verdict::kFail, 1, "a|b <script>\nnext line")});
