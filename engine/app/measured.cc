@@ -2,32 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "experiment/drive_by_record.h"
-#include "experiment/prediction_windows.h"
 #include "experiment/prepare.h"
-#include "identification/between_samples.h"
-#include "identification/start.h"
+#include "identification/bring_in.h"
 #include "model/effect.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
-
-bool BringIn(const Plan& plan, const Registry& registry, MappedRecord& record, Diagnostics& diagnostics) {
-  if (const std::string foreign = ForeignTimeScale(record, plan); !foreign.empty()) {
-    diagnostics.Error({record.file}, foreign, "say it in a map file: time = { column = \"t\", unit = \"ms\" }");
-    return false;
-  }
-  record = OntoClock(std::move(record), plan);
-  // Windows start from states of their own, which would be estimated here for nothing.
-  if (!record.outputs.empty() && !PredictionWindow(plan)) {
-    const std::string motion = identification::MotionAtStart({plan, {record}, registry});
-    record.in_motion = !motion.empty();
-    if (record.in_motion) record.notes.push_back("the record begins in motion, the scenario does not: " + motion);
-  }
-  identification::ChooseBetween(plan, registry, record);
-  return true;
-}
 
 std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std::vector<std::string>& data,
                                          const std::vector<std::string>& maps, const std::vector<std::string>& holdout,
@@ -58,7 +39,7 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
     const std::string& file = i < data.size() ? data[i] : holdout[i - data.size()];
     const std::string map = maps.empty() ? "" : maps.size() == 1 ? maps[0] : maps[i];
     std::optional<MappedRecord> mapped = OpenRecord(file, map, inputs, outputs, diagnostics);
-    if (!mapped || !BringIn(result.plan, registry, *mapped, diagnostics)) continue;
+    if (!mapped || !identification::BringIn(result.plan, registry, *mapped, diagnostics)) continue;
     (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
   }
   if (diagnostics.error_count() != before) return std::nullopt;

@@ -27,10 +27,6 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
                                          const std::vector<std::string>& overrides, const Registry& registry,
                                          Diagnostics& diagnostics);
 
-/// Brings a record onto the clock of the plan's run, and finds out what its inputs do between their samples where nobody
-/// says it. False, with a diagnostic, where its time has nothing to do with the scenario's.
-bool BringIn(const Plan& plan, const Registry& registry, MappedRecord& record, Diagnostics& diagnostics);
-
 /// The commands themselves.
 void AddCheckData(CLI::App& program, int& exit);
 void AddIdentify(CLI::App& program, int& exit);

@@ -11,13 +11,13 @@
 
 #include "app/app.h"
 #include "app/interruption.h"
-#include "app/measured.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "estimation/horizon.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
 #include "experiment/warnings.h"
+#include "identification/bring_in.h"
 #include "reports/run_page.h"
 #include "reports/run_report.h"
 #include "scenario/find.h"
@@ -161,7 +161,7 @@ int Run(const RunArguments& arguments) {
   std::optional<MappedRecord> data;
   if (!arguments.data.empty() && scenarios.size() == 1) {
     data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
-    if (data && BringIn(scenarios[0]->plan, *registry, *data, diagnostics)) {
+    if (data && identification::BringIn(scenarios[0]->plan, *registry, *data, diagnostics)) {
       options.data = &*data;
       scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
     }

@@ -22,7 +22,7 @@ Result<WindowedRun> RunInWindows(const Rig& rig, double window_s) {
   Simulation exact(rig, **reference), restarted(rig, **realtime);
   if (Status failed = exact.Start()) return *failed;
   if (Status failed = restarted.Start()) return *failed;
-  const auto window = std::max<std::int64_t>(1, std::llround(window_s / Seconds(rig.period)));
+  const auto window = std::max<std::int64_t>(1, std::llround(window_s / rig.SecondsOf(rig.period)));
   WindowedRun run;
   for (Samples* samples : {&run.reference, &run.restarted}) samples->outputs.assign(rig.outputs.size(), {});
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
@@ -33,7 +33,7 @@ Result<WindowedRun> RunInWindows(const Rig& rig, double window_s) {
     }
     for (auto [simulation, samples] : {std::pair(&exact, &run.reference), std::pair(&restarted, &run.restarted)}) {
       if (Status failed = simulation->Tick()) return *failed;
-      samples->time.push_back(Seconds(simulation->frame().time));
+      samples->time.push_back(rig.SecondsOf(simulation->frame().time));
       for (std::size_t i = 0; i < rig.outputs.size(); ++i) samples->outputs[i].push_back(simulation->OutputSample(i));
       if (step == rig.steps) continue;
       if (Status failed = simulation->Integrate()) return *failed;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -88,18 +87,27 @@ double FinestStep(const MappedRecord& data) {
   return step;
 }
 
-/// A period of whole nanoseconds that divides a step as nearly as may be, and is near the run's own [s]. Where nanoseconds
-/// do not divide it, samples drift off the ticks, but slowly.
-double PeriodFor(double step_s, double own_s) {
-  constexpr double kFarther = 1e-6;  // of the step, for which a period twice as far from the run's own is worth it
-  double best_s = own_s, least = std::numeric_limits<double>::infinity();
+/// The period that divides a step, near the run's own [s]: one on whose ticks all samples lie, where there is one.
+double PeriodFor(const MappedRecord& data, double step_s, double own_s) {
+  constexpr int kFiner = 4;  // than the run's own: so many times as many ticks are worth it
   const int parts = std::max(1, static_cast<int>(std::lround(std::min(1e6, step_s / own_s))));
-  for (int n = std::max(1, parts / 4); n <= parts + 3; ++n) {
-    const double period_s = std::max(1.0, std::round(step_s / n * 1e9)) * 1e-9;
-    const double cost = std::abs(period_s * n / step_s - 1.0) + kFarther * std::abs(std::log2(period_s / own_s));
-    if (cost < least) least = cost, best_s = period_s;
+  for (int n = parts; n <= kFiner * parts; ++n) {
+    if (AllOnTicks(data, step_s / n)) return step_s / n;
   }
-  return best_s;
+  return step_s / parts;
+}
+
+/// Writes a period into [run]. The clock counts whole nanoseconds: for any other period it runs faster or slower.
+/// Returns the period in seconds of the clock.
+double KeepPeriod(double period_s, Value& run) {
+  constexpr double kSame = 1e-12;  // a microsecond in eleven days
+  const double clock_s = std::round(period_s * 1e9) * 1e-9, rate = period_s / clock_s;
+  run["period_s"] = Value(clock_s);
+  if (std::abs(rate - 1.0) > kSame)
+    run["clock_rate"] = Value(rate);
+  else
+    run.Erase("clock_rate");
+  return clock_s;
 }
 
 std::string BetweenOf(const MappedRecord& data, const std::string& name, const Plan& plan) {
@@ -122,7 +130,7 @@ MappedRecord OntoClock(MappedRecord data, const Plan& plan) {
   const double own_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
   data.period_s = own_s;
   if (const double step_s = FinestStep(data); step_s > 0.0 && !HasControllers(plan) && !AllOnTicks(data, own_s)) {
-    data.period_s = PeriodFor(step_s, own_s);
+    data.period_s = PeriodFor(data, step_s, own_s);
     data.notes.push_back(
         fmt::format("the run's period is {:.9g} s instead of {:g} s, so that the record's samples lie on its ticks",
                     data.period_s, own_s));
@@ -172,8 +180,8 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
     input["source"] = Value{{"type", "replay"}, {"record", name}, {"interpolation", between}};
   }
   Value& run = plan.root["run"];
-  run["period_s"] = Value(period_s);
-  run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - kOnTick)) * period_s);
+  const double clock_s = KeepPeriod(period_s, run);
+  run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - kOnTick)) * clock_s);
 }
 
 std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan) {

@@ -140,7 +140,7 @@ class Filter {
       std::vector<double> change(static_cast<std::size_t>(n_), 0.0);
       change[static_cast<std::size_t>(i)] = step;
       solver_.Shift(frame, change);
-      solver_.Evaluate(frame, Seconds(frame.time));
+      solver_.Evaluate(frame, rig_.SecondsOf(frame.time));
       for (Eigen::Index j = 0; j < m_; ++j) {
         const OutputLine& line = rig_.outputs[columns_[static_cast<std::size_t>(j)]];
         outputs_(j, i) = (frame.signals[static_cast<std::size_t>(line.signal)] -
@@ -204,7 +204,7 @@ std::optional<double> PredictionWindow(const Plan& plan) {
 
 Result<Observer> MakeObserver(const Rig& rig, const MappedRecord& record, double window_s) {
   const FlushSubnormals flush;
-  const double period_s = Seconds(rig.period);
+  const double period_s = rig.SecondsOf(rig.period);
   Observer observer;
   observer.window = std::max<std::int64_t>(1, std::llround(window_s / period_s));
   if (rig.steps < 2 * observer.window) {
@@ -257,7 +257,7 @@ Result<Samples> PredictInWindows(const Rig& rig, Solver& solver, const Observer&
   for (std::size_t k = 0; k < rows; ++k) {
     if (static_cast<std::int64_t>(k) % observer.window == 0) ahead.Restore(beside.frame());
     if (Status failed = ahead.Tick()) return *failed;
-    samples.time[k] = Seconds(ahead.frame().time);
+    samples.time[k] = rig.SecondsOf(ahead.frame().time);
     for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i][k] = ahead.InputCommand(i);
     for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i][k] = ahead.OutputSample(i);
     if (k + 1 == rows) break;

@@ -296,8 +296,65 @@ class Mapper {
     return before;
   }
 
+  /// Rasters of one logger count multiples of one step, of which each alone may tell less than all together.
+  void ShareSteps() {
+    Raw* finest = nullptr;
+    for (Raw& raw : raw_) {
+      if (raw.base.uniform() && (finest == nullptr || raw.base.step_s < finest->base.step_s)) finest = &raw;
+    }
+    if (finest == nullptr) return;
+    // The best known of the steps, in finest ones.
+    double step_s = finest->base.step_s, range = finest->base.step_range;
+    bool plain = finest->base.plain;
+    const auto steps_of = [&](const Raw& raw) -> double {
+      const double ratio = raw.base.step_s / finest->base.step_s, whole = std::round(ratio);
+      const double known = raw.base.step_range + finest->base.step_range + 1e-12;
+      return raw.base.uniform() && std::abs(ratio / whole - 1.0) <= known ? whole : 0.0;
+    };
+    for (const Raw& raw : raw_) {
+      const double steps = steps_of(raw);
+      if (steps == 0.0 || std::pair(raw.base.plain, -raw.base.step_range) <= std::pair(plain, -range)) continue;
+      step_s = raw.base.step_s / steps, range = raw.base.step_range, plain = raw.base.plain;
+    }
+    std::vector<double> shared;
+    for (const Raw& raw : raw_) shared.push_back(steps_of(raw) * step_s);
+    for (std::size_t i = 0; i < raw_.size(); ++i) {
+      trace::TimeBase& base = raw_[i].base;
+      if (shared[i] == 0.0 || shared[i] == base.step_s) continue;
+      for (double& t : base.time_s) t = std::round(t / base.step_s) * shared[i];
+      base.step_s = base.usual_step_s = shared[i];
+    }
+    finest_step_s_ = step_s;
+    constexpr double kNothing = 1e-8;  // of a step, and so of the numbers
+    if (plain || range < kNothing) return;
+    result_.step_doubt = range;
+    result_.notes.push_back(
+        fmt::format("the stamps leave the step of {:.9g} s open by {:.2g} of it, for which intervals allow; a map may "
+                    "say the rate",
+                    step_s, range));
+  }
+
+  /// How much later than the origin a raster starts. Where the stamps allow it, by whole steps of the finest one.
+  double OffsetOf(const Raw& raw, const Raw& origin) {
+    constexpr double kChance = 0.05, kNothing = 1e-6;  // of a step: what lies as near to one by chance; what is nothing
+    const double digit = std::max(raw.base.resolution_s, origin.base.resolution_s);
+    // Where stamps have digits, their difference has, too: what is beyond is round-off of large numbers.
+    double apart = raw.base.start_s - origin.base.start_s;
+    if (digit > 1e-9) apart = std::round(apart / digit) * digit;
+    const bool exact = raw.base.exact && origin.base.exact && digit > 1e-9;
+    const double known = exact ? 0.0 : 0.5 * (raw.base.resolution_s + origin.base.resolution_s);
+    if (apart == 0.0) return apart;
+    const double step_s = finest_step_s_, on_grid = step_s > 0.0 ? std::round(apart / step_s) * step_s : apart;
+    const bool snaps = step_s > 0.0 && std::abs(on_grid - apart) <= std::max(known, digit);
+    const double usual_s = step_s > 0.0 ? step_s : raw.base.usual_step_s;
+    if (snaps && known < kChance * usual_s) return on_grid;
+    if (known > kNothing * usual_s) result_.shift_doubt_s[raw.name] = known;
+    return snaps ? on_grid : apart;
+  }
+
   /// All channels begin and end with the inputs. Offsets between rasters are known to the digits of their stamps.
   void OntoOneClock() {
+    ShareSteps();
     const bool driven = std::any_of(raw_.begin(), raw_.end(), [](const Raw& raw) { return raw.input; });
     double begin = 0.0, end = 0.0;
     const Raw* origin = nullptr;
@@ -312,14 +369,14 @@ class Mapper {
     const double span = end - begin;
     std::map<std::string, std::vector<std::string>> told;  // a sentence about a clock, and who has it
     for (const Raw& raw : raw_) {
-      const double known = std::max(raw.base.resolution_s, origin->base.resolution_s);
-      const double apart = raw.base.start_s - origin->base.start_s;
-      // Where stamps have digits, their difference has, too: what is beyond is round-off of large numbers.
-      const double offset = known > 1e-9 ? std::round(apart / known) * known : apart;
-      Put(raw, offset, span, driven);
+      Put(raw, OffsetOf(raw, *origin), span, driven);
       for (const std::string& note : raw.base.Notes("")) told[note].push_back(raw.name);
       if (raw.base.uniform()) result_.step_s[raw.name] = raw.base.step_s;
     }
+    for (const auto& [name, doubt_s] : result_.shift_doubt_s)
+      result_.notes.push_back(fmt::format(
+          "{}: its stamps leave its instants beside those of the inputs open by {:.2g} s, for which intervals allow",
+          name, doubt_s));
     for (const auto& [note, names] : told)
       result_.notes.push_back((names.size() == raw_.size() ? "the record" : fmt::format("{}", fmt::join(names, ", "))) +
                               note);
@@ -376,7 +433,7 @@ class Mapper {
   std::vector<double> last_stamps_;
   double last_unit_s_ = 0.0;
   trace::TimeBase last_base_;
-  double clock_start_s_ = 0.0;
+  double clock_start_s_ = 0.0, finest_step_s_ = 0.0;
   bool time_fault_ = false;
 };
 

@@ -27,6 +27,10 @@ struct MappedRecord {
   std::set<std::string> guessed;               // inputs of which nobody says it: `between` is what fits best
   std::vector<std::string> notes;              // what a reader should know
   double end_s = 0.0;                          // time of the last sample
+  /// To which the stamps leave open what the numbers depend on: the step, as a share of it, and the instants of an output
+  /// beside those of the inputs [s], by name.
+  double step_doubt = 0.0;
+  std::map<std::string, double> shift_doubt_s;
   bool in_motion = false;  // begins otherwise than the scenario does: its start is to be estimated along
   double period_s = 0.0;   // of the run onto whose clock it was brought (drive_by_record.h); 0: it was not yet
 };

@@ -181,7 +181,7 @@ Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
                                      [&](const OutputLine& output) { return output.name == channel.name; });
       if (line == rig.outputs.end()) return Failure{"the plan lost this output", channel.name};
       SampleInto(*samples, samples->outputs[static_cast<std::size_t>(line - rig.outputs.begin())],
-                 *records_[r].outputs.at(channel.name).time, Seconds(rig.period),
+                 *records_[r].outputs.at(channel.name).time, rig.SecondsOf(rig.period),
                  predicted.segment(channel.begin, channel.count));
     }
   }

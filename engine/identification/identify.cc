@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "experiment/prediction_windows.h"
@@ -71,12 +72,65 @@ void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) 
   result.converged = std::min(result.converged, at.converged);
 }
 
+/// Of the methods with one stage.
+Result<std::unique_ptr<Objective>> MisfitOf(const EstimationProblem& problem, IdentifyMethod method) {
+  if (method == IdentifyMethod::kFreeRun) return FreeRunObjective(problem);
+  if (method == IdentifyMethod::kSpectrum) return SpectrumObjective(problem);
+  const Result<score::Response> response = MeasuredResponse(problem);
+  if (!response.ok()) return response.failure();
+  return ResponseObjective(problem, *response);
+}
+
+/// The record with a clock that is off: its step by a share, the instants of one output beside the inputs by a time.
+MappedRecord OffClock(MappedRecord record, double stretch, const std::string& output, double shift_s) {
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    for (auto& [name, series] : *signals) {
+      std::vector<double> time = *series.time;
+      for (double& t : time) t = t * (1.0 + stretch) + (signals == &record.outputs && name == output ? shift_s : 0.0);
+      series.time = std::make_shared<const std::vector<double>>(std::move(time));
+    }
+  }
+  for (auto& [name, step_s] : record.step_s) step_s *= 1.0 + stretch;
+  record.end_s *= 1.0 + stretch, record.period_s *= 1.0 + stretch;
+  return record;
+}
+
+/// Covariance of the search's own numbers by what the records' stamps leave open: each such doubt moves the optimum by
+/// (J'J)^-1 J' times what it moves the error, and a 95 % interval is to reach to its end.
+Result<Eigen::MatrixXd> ByDoubtOfStamps(const EstimationProblem& problem, IdentifyMethod method, const Plan& found,
+                                        const Optimum& at, const Eigen::MatrixXd& inverse) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  const auto add = [&](std::size_t record, double stretch, const std::string& output, double shift_s) -> Status {
+    std::vector<MappedRecord> off = problem.records();
+    off[record] = OffClock(std::move(off[record]), stretch, output, shift_s);
+    const EstimationProblem other(problem.plan(), std::move(off), problem.registry());
+    const Result<std::unique_ptr<Objective>> objective = MisfitOf(other, method);
+    if (!objective.ok()) return objective.failure();
+    const Result<Eigen::VectorXd> error = (*objective)->Of(found);
+    if (!error.ok()) return error.failure();
+    if (error->size() != at.error.size()) return {};  // the doubt cuts bands or rows: nothing to compare
+    const Eigen::VectorXd moved = inverse * (at.jacobian.transpose() * (*error - at.error)) / kTwoSided95;
+    sum += moved * moved.transpose();
+    return {};
+  };
+  for (std::size_t r = 0; r < problem.records().size(); ++r) {
+    const MappedRecord& record = problem.records()[r];
+    if (record.step_doubt > 0.0) {
+      if (Status failed = add(r, record.step_doubt, "", 0.0)) return *failed;
+    }
+    for (const auto& [name, doubt_s] : record.shift_doubt_s) {
+      if (Status failed = add(r, 0.0, name, doubt_s)) return *failed;
+    }
+  }
+  return sum;
+}
+
 /// Intervals by the covariance of the search's own numbers. One as wide as the axis says nothing; and of what is not
 /// told apart scores vanish with the slopes, which is no covariance.
 void AddIntervals(const Objective& objective, const Optimum& at, const std::vector<Axis>& axes,
-                  const Eigen::MatrixXd& inverse, Identified& result) {
+                  const Eigen::MatrixXd& inverse, const Eigen::MatrixXd& by_stamps, Identified& result) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  Eigen::MatrixXd own = Sandwich(objective, at, inverse);
+  Eigen::MatrixXd own = Sandwich(objective, at, inverse) + by_stamps;
   Eigen::VectorXd slope(own.rows());
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -117,15 +171,6 @@ Status InTwoStages(const EstimationProblem& problem, const std::vector<Axis>& ax
   };
   if (Status failed = stage(still, *FrequencyObjective(problem, *measured), 0.0)) return failed;
   return stage(damping, *GainObjective(problem, *std::move(measured)), 0.5);
-}
-
-/// Of the methods with one stage.
-Result<std::unique_ptr<Objective>> MisfitOf(const EstimationProblem& problem, IdentifyMethod method) {
-  if (method == IdentifyMethod::kFreeRun) return FreeRunObjective(problem);
-  if (method == IdentifyMethod::kSpectrum) return SpectrumObjective(problem);
-  const Result<score::Response> response = MeasuredResponse(problem);
-  if (!response.ok()) return response.failure();
-  return ResponseObjective(problem, *response);
 }
 
 /// Why a fit is worth nothing.
@@ -171,7 +216,11 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
         Minimise(problem.plan(), **objective, axes, {options.starts, TriesOf(options), options.progress});
     if (!best.ok()) return best.failure();
     Take(*best, axes, result);
-    AddIntervals(**objective, *best, axes, Tell(*best, axes, result), result);
+    const Eigen::MatrixXd inverse = Tell(*best, axes, result);
+    const Result<Eigen::MatrixXd> by_stamps =
+        ByDoubtOfStamps(problem, options.method, With(problem.plan(), axes, best->x), *best, inverse);
+    if (!by_stamps.ok()) return by_stamps.failure();
+    AddIntervals(**objective, *best, axes, inverse, *by_stamps, result);
   }
   Plan found = problem.plan();
   for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);

@@ -22,7 +22,8 @@ struct Plan {
 /// [run]: how long, how fine, and by which solver.
 struct RunSettings {
   double duration_s = 0.0;
-  double period_s = 1e-4;  // inputs are held and signals are recorded at this period
+  double period_s = 1e-4;   // inputs are held and signals are recorded at this period
+  double clock_rate = 1.0;  // seconds that pass in one of the clock: a record's period may be no whole nanoseconds
   std::int64_t seed = 1;
   std::string solver = "realtime";
   struct Reference {
@@ -120,6 +121,8 @@ void RunSettings::Realtime::Visit(auto& v) {
 void RunSettings::Visit(auto& v) {
   v.Required("duration_s", duration_s, Positive(), "simulated time");
   v.Optional("period_s", period_s, Positive(), "period at which inputs are held and signals recorded");
+  v.Optional("clock_rate", clock_rate, Between(0.999, 1.001),
+             "seconds that pass in one of the clock, for a record whose period is no whole nanoseconds");
   v.Optional("seed", seed, Any(), "seed of all noise");
   v.Optional("solver", solver, std::vector<std::string>{"realtime", "reference"}, "solver of the trace that is kept");
 }

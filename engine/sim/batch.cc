@@ -58,13 +58,14 @@ Result<std::vector<Samples>> SimulateBatch(std::span<const BatchMember* const> m
   std::vector<const mechanics::ModalForm*> forms;
   for (const BatchMember* member : members) {
     if (member->rig_->steps != rig.steps || member->rig_->period != rig.period ||
-        member->input_of_read_ != first.input_of_read_ || member->row_of_output_ != first.row_of_output_)
+        member->rig_->clock_rate != rig.clock_rate || member->input_of_read_ != first.input_of_read_ ||
+        member->row_of_output_ != first.row_of_output_)
       return Failure{"no batch: the variants differ in more than numbers", rig.id, {}, 2};
     forms.push_back(&member->form_);
   }
   std::vector<int> rows;
   for (const int output : outputs) rows.push_back(first.row_of_output_[static_cast<std::size_t>(output)]);
-  const Result<BatchPropagator> batch = BatchPropagator::Create(forms, Seconds(rig.period), rows);
+  const Result<BatchPropagator> batch = BatchPropagator::Create(forms, rig.SecondsOf(rig.period), rows);
   if (!batch.ok()) return batch.failure();
 
   const auto ticks = static_cast<std::size_t>(rig.steps) + 1;
@@ -97,7 +98,7 @@ Result<std::vector<Samples>> SimulateBatch(std::span<const BatchMember* const> m
   };
   read_sources(0.0, held);
   for (std::size_t tick = 0; tick < ticks; ++tick) {
-    const double time_s = Seconds(static_cast<Nanoseconds>(tick) * rig.period);
+    const double time_s = rig.SecondsOf(static_cast<Nanoseconds>(tick) * rig.period);
     read_sources(time_s, now);
     batch->Step(state, held.data(), now.data(), y.data());
     for (std::size_t lane = 0; lane < members.size(); ++lane) {

@@ -44,7 +44,7 @@ class RealtimeSolver : public Solver {
     for (const Interval& interval : rig.intervals) {
       const double share = rig.run.realtime.substeps * interval.length;
       const int substeps = solver->exact_ ? 1 : std::max(1, static_cast<int>(std::ceil(share - 1e-9)));
-      const double length_s = interval.length * Seconds(rig.period) / substeps;
+      const double length_s = interval.length * rig.SecondsOf(rig.period) / substeps;
       Result<Propagator> propagator = Propagator::Create(solver->form_, length_s);
       if (!propagator.ok()) return propagator.failure();
       solver->steps_.push_back({std::move(*propagator), substeps, length_s});
@@ -135,7 +135,7 @@ class RealtimeSolver : public Solver {
 
   Status Advance(Frame& frame, int index) override {
     const Step& step = steps_[index];
-    const double begin_s = Seconds(frame.time) + rig_.intervals[index].begin * Seconds(rig_.period);
+    const double begin_s = rig_.SecondsOf(frame.time) + rig_.intervals[index].begin * rig_.SecondsOf(rig_.period);
     for (const int block : roles_.held) EvaluateAt(frame, block, begin_s);
     ++periods_;
     if (exact_) {
@@ -253,18 +253,18 @@ class RealtimeSolver : public Solver {
 
   /// What follows from new states: the answers of the linear part and the torques of the laws.
   void Renew(Frame& frame) {
-    for (const int block : roles_.nonlinear) EvaluateAt(frame, block, Seconds(frame.time));
+    for (const int block : roles_.nonlinear) EvaluateAt(frame, block, rig_.SecondsOf(frame.time));
     ReadInputs(frame, v0_);
     Outputs(frame, v0_, y0_);
     std::copy(y0_.begin(), y0_.end(), Answers(frame));
     for (std::size_t e = 0; e < group_.channels.size(); ++e) {
       if (!Law_(e).sticks()) {
-        const LawView view{Seconds(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
-                           OwnStates(frame, e), OwnModes(frame, e)};
+        const LawView view{rig_.SecondsOf(frame.time), Twist(y0_, e),     Rate(y0_, e), 0.0,
+                           OwnStates(frame, e),        OwnModes(frame, e)};
         Torque(frame)[e] = BeyondLinear(e, view);
       } else if (const double rate = Rate(y0_, e); rate != 0.0) {
-        Torque(frame)[e] = Law_(e).SlipTorque({Seconds(frame.time), Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}},
-                                              rate > 0.0 ? 1 : -1);
+        Torque(frame)[e] = Law_(e).SlipTorque(
+            {rig_.SecondsOf(frame.time), Twist(y0_, e), rate, 0.0, OwnStates(frame, e), {}}, rate > 0.0 ? 1 : -1);
       }
     }
   }

@@ -60,12 +60,12 @@ class ReferenceSolver : public Solver {
 
   Status Advance(Frame& frame, int index) override {
     const Interval& interval = rig_.intervals[index];
-    const double period_s = Seconds(rig_.period);
-    double time_s = Seconds(frame.time) + interval.begin * period_s;
+    const double period_s = rig_.SecondsOf(rig_.period);
+    double time_s = rig_.SecondsOf(frame.time) + interval.begin * period_s;
     // The next tick as the clock will say it, so that both solvers see the same times.
     const bool last = index + 1 == static_cast<int>(rig_.intervals.size());
-    const double end_s =
-        last ? Seconds(frame.time + rig_.period) : Seconds(frame.time) + rig_.intervals[index + 1].begin * period_s;
+    const double end_s = last ? rig_.SecondsOf(frame.time + rig_.period)
+                              : rig_.SecondsOf(frame.time) + rig_.intervals[index + 1].begin * period_s;
     signals_ = frame.signals;
     modes_ = frame.modes;
     if (integrator_ == nullptr) return {};

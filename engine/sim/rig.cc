@@ -53,6 +53,7 @@ class RigBuilder {
     const auto period =
         ToNanoseconds(rig_->run.period_s);  // what cannot be kept has been reported; go on with the usual one
     rig_->period = period && *period > 0 ? *period : 100'000;
+    rig_->clock_rate = rig_->run.clock_rate;
     const auto duration = ToNanoseconds(rig_->run.duration_s);
     rig_->steps = duration ? *duration / rig_->period : 0;
     AddPlant();
@@ -263,12 +264,12 @@ class RigBuilder {
     line.delayed = AddSlot(chain + ".delayed");
     double delay_s = 0.0;
     slot_of_[chain] = AddStages("actuator", chain, spec.actuator, line.delayed, spec.nominal, delay_s);
-    if (std::llround(delay_s * 1e9) == 0) {
+    // Whole nanoseconds, as the clock: delays that differ by round-off alone share a cut.
+    const Nanoseconds delay = std::llround(delay_s * 1e9 / rig_->clock_rate);
+    if (delay == 0) {
       Replace(line.delayed, line.command);
       line.delayed = line.command;
     }
-    // Whole nanoseconds, as the clock: delays that differ by round-off alone share a cut.
-    const Nanoseconds delay = std::llround(delay_s * 1e9);
     line.delay_periods = static_cast<int>(delay / rig_->period);
     line.delay_fraction = static_cast<double>(delay % rig_->period) / static_cast<double>(rig_->period);
     for (const std::string& port : spec.to) {
@@ -294,7 +295,8 @@ class RigBuilder {
     line.signal = AddStages("sensor", chain, spec.sensor, -1, spec.nominal, delay_s);
     const bool direct = line.signal == -1;
     line.sample = AddSlot(chain);
-    const Nanoseconds delay = std::llround(delay_s * 1e9), periods = (delay + rig_->period - 1) / rig_->period;
+    const Nanoseconds delay = std::llround(delay_s * 1e9 / rig_->clock_rate),
+                      periods = (delay + rig_->period - 1) / rig_->period;
     line.delay_periods = static_cast<int>(periods);
     line.sample_fraction = static_cast<double>(periods * rig_->period - delay) / static_cast<double>(rig_->period);
     rig_->outputs.push_back(std::move(line));

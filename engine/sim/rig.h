@@ -86,6 +86,7 @@ class Rig {
   std::string id;
   RunSettings run;
   Nanoseconds period = 0;
+  double clock_rate = 1.0;      // RunSettings::clock_rate
   std::int64_t steps = 0;       // of the whole run
   std::vector<Block> blocks;    // continuous and stateless, in order of evaluation
   std::vector<Block> controls;  // in data-flow order, ties by name
@@ -96,6 +97,8 @@ class Rig {
   std::vector<Port> state_ports;    // of Frame::states
   int modes = 0, guards = 0, control_states = 0, control_modes = 0, rings = 0;
 
+  /// What the clock says, in seconds.
+  double SecondsOf(Nanoseconds time) const { return clock_rate * Seconds(time); }
   /// The slot of a signal, or -1.
   int FindSlot(std::string_view name) const;
   const Block* FindBlock(std::string_view name) const;

@@ -31,7 +31,7 @@ Status Simulation::Start() {
 }
 
 void Simulation::TakeSamples() {
-  solver_.Evaluate(frame_, Seconds(frame_.time));
+  solver_.Evaluate(frame_, rig_.SecondsOf(frame_.time));
   for (const OutputLine& line : rig_.outputs) {
     frame_.signals[line.sample] =
         line.ring < 0 ? frame_.signals[line.signal] : frame_.rings[line.ring + frame_.step % line.delay_periods];
@@ -48,13 +48,13 @@ void Simulation::TickControls() {
     const std::span<double> states = std::span(frame_.control_states).subspan(block.first_state, block.states());
     const std::span<int> modes =
         std::span(frame_.control_modes).subspan(block.first_mode, block.component->layout().modes);
-    const View view{Seconds(frame_.time), {inputs, count}, states, modes};
+    const View view{rig_.SecondsOf(frame_.time), {inputs, count}, states, modes};
     block.component->Tick(view, states, std::span(frame_.signals).subspan(block.first_output, block.outputs()));
   }
 }
 
 void Simulation::HoldCommands() {
-  const double time_s = Seconds(frame_.time);
+  const double time_s = rig_.SecondsOf(frame_.time);
   for (const InputLine& line : rig_.inputs) {
     if (line.continuous) continue;
     double& command = frame_.signals[line.command];
@@ -70,12 +70,12 @@ void Simulation::HoldCommands() {
 Status Simulation::CheckFinite() const {
   for (const OutputLine& line : rig_.outputs) {
     if (!std::isfinite(frame_.signals[line.sample])) {
-      return Failure{"not a finite number", "output." + line.name, Seconds(frame_.time)};
+      return Failure{"not a finite number", "output." + line.name, rig_.SecondsOf(frame_.time)};
     }
   }
   for (const InputLine& line : rig_.inputs) {
     if (!std::isfinite(frame_.signals[line.command])) {
-      return Failure{"not a finite number", "input." + line.name, Seconds(frame_.time)};
+      return Failure{"not a finite number", "input." + line.name, rig_.SecondsOf(frame_.time)};
     }
   }
   return {};
@@ -92,8 +92,8 @@ Status Simulation::Integrate() {
   for (int index = 0; index < static_cast<int>(rig_.intervals.size()); ++index) {
     const Interval& interval = rig_.intervals[index];
     if (!interval.samples.empty()) {
-      const double offset_s = Seconds(rig_.period) * interval.begin;
-      solver_.Evaluate(frame_, Seconds(frame_.time) + offset_s);
+      const double offset_s = rig_.SecondsOf(rig_.period) * interval.begin;
+      solver_.Evaluate(frame_, rig_.SecondsOf(frame_.time) + offset_s);
       for (const int output : interval.samples) {
         const OutputLine& line = rig_.outputs[output];
         frame_.rings[line.ring + frame_.step % line.delay_periods] = frame_.signals[line.signal];
@@ -130,14 +130,14 @@ Result<Samples> Simulate(const Rig& rig, Solver& solver, const Progress& progres
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const Clock::time_point begin = times != nullptr ? Clock::now() : Clock::time_point();
     if (Status failed = simulation.Tick()) return *failed;
-    samples.time[step] = Seconds(simulation.frame().time);
+    samples.time[step] = rig.SecondsOf(simulation.frame().time);
     for (std::size_t i = 0; i < samples.inputs.size(); ++i) samples.inputs[i][step] = simulation.InputCommand(i);
     for (std::size_t i = 0; i < samples.outputs.size(); ++i) samples.outputs[i][step] = simulation.OutputSample(i);
     if (step == rig.steps) break;
     if (Status failed = simulation.Integrate()) return *failed;
     if (times != nullptr) times->Add(std::chrono::duration<double>(Clock::now() - begin).count());
     if (progress && step % report == 0 && !progress(static_cast<double>(step) / static_cast<double>(rig.steps))) {
-      return Failure{"interrupted", rig.id, Seconds(simulation.frame().time)};
+      return Failure{"interrupted", rig.id, rig.SecondsOf(simulation.frame().time)};
     }
   }
   samples.counters = solver.counters();

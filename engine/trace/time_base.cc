@@ -62,6 +62,8 @@ double ResolutionOf(const std::vector<double>& stamps) {
 struct Grid {
   double step = 0.0;
   std::vector<double> index;  // k, rising whole numbers from 0
+  double range = 0.0;         // TimeBase::step_range, plain
+  bool plain = false, exact = false;
 };
 
 /// Difference between the largest and the smallest distance of the instants from a grid.
@@ -74,16 +76,17 @@ double Scatter(const std::vector<double>& t, const std::vector<double>& index, d
   return high - low;
 }
 
-/// Least squares.
+/// Least squares, of the distances from a first grid: of the stamps themselves sums would lose the digits that matter.
 double StepThrough(const std::vector<double>& t, const std::vector<double>& index) {
-  double mean_t = 0.0, mean_k = 0.0, both = 0.0, square = 0.0;
+  const double first = t.back() / index.back();
+  double mean_off = 0.0, mean_k = 0.0, both = 0.0, square = 0.0;
   const auto n = static_cast<double>(t.size());
-  for (std::size_t i = 0; i < t.size(); ++i) mean_t += t[i] / n, mean_k += index[i] / n;
+  for (std::size_t i = 0; i < t.size(); ++i) mean_off += (t[i] - index[i] * first) / n, mean_k += index[i] / n;
   for (std::size_t i = 0; i < t.size(); ++i) {
-    both += (t[i] - mean_t) * (index[i] - mean_k);
+    both += (t[i] - index[i] * first - mean_off) * (index[i] - mean_k);
     square += (index[i] - mean_k) * (index[i] - mean_k);
   }
-  return both / square;
+  return first + both / square;
 }
 
 double Rounded(double value, int digits) {
@@ -91,15 +94,37 @@ double Rounded(double value, int digits) {
   return std::round(value * scale) / scale;
 }
 
+/// How far a step may be changed, as a share of it, until the instants lie within `most` of its grid no more.
+double RangeOf(const std::vector<double>& t, const std::vector<double>& index, double step, double most) {
+  double range = 0.0;
+  for (const double way : {-1.0, 1.0}) {
+    // Half a step over the whole span is more than any digit that a grid was found with.
+    double inside = 0.0, outside = 0.5 / index.back();
+    for (int halving = 0; halving < 40; ++halving) {
+      const double middle = 0.5 * (inside + outside);
+      (Scatter(t, index, step * (1.0 + way * middle)) <= most ? inside : outside) = middle;
+    }
+    range = std::max(range, inside);
+  }
+  return range;
+}
+
+struct PlainStep {
+  double step = 0.0;
+  int digits = 0;
+};
+
 /// The step or rate of fewest digits that goes through all instants within `most`; `step` itself where none does.
-double Plain(const std::vector<double>& t, const std::vector<double>& index, double step, double most, double unit_s) {
-  for (int digits = 1; digits <= 10; ++digits) {
+PlainStep Plain(const std::vector<double>& t, const std::vector<double>& index, double step, double most,
+                double unit_s) {
+  constexpr int kMostDigits = 10;
+  for (int digits = 1; digits <= kMostDigits; ++digits) {
     const double by_step = Rounded(step, digits), by_rate = 1.0 / (Rounded(1.0 / (step * unit_s), digits) * unit_s);
     for (const double candidate : {by_step, by_rate}) {
-      if (Scatter(t, index, candidate) <= most) return candidate;
+      if (Scatter(t, index, candidate) <= most) return {candidate, digits};
     }
   }
-  return step;
+  return {step, kMostDigits + 1};
 }
 
 /// The grid that `guess` leads to, if all instants lie on it within `most`. `every`: no row is missing.
@@ -140,7 +165,15 @@ std::optional<Grid> UniformGrid(const std::vector<double>& t, double resolution,
     // A grid that is mostly holes goes through anything: stamps of three digits lie on a grid of milliseconds.
     if (grid && grid->index.back() > 10.0 * static_cast<double>(t.size())) grid.reset();
   }
-  if (grid) grid->step = Plain(t, grid->index, grid->step, most, unit_s);
+  if (!grid) return grid;
+  const PlainStep plain = Plain(t, grid->index, grid->step, most, unit_s);
+  grid->step = plain.step;
+  // Of the steps and rates of so many digits, some lie as near as that by chance.
+  constexpr double kChance = 0.05;
+  constexpr std::size_t kEnough = 10;  // stamps: rounded ones do not all lie on a grid by chance
+  grid->range = RangeOf(t, grid->index, grid->step, most);
+  grid->plain = std::pow(10.0, plain.digits) * grid->range < kChance;
+  grid->exact = t.size() >= kEnough && Scatter(t, grid->index, grid->step) <= 8.0 * UlpOf(largest);
   return grid;
 }
 
@@ -192,6 +225,7 @@ TimeBase TimeBaseOf(std::span<const double> stamps, double unit_s) {
   };
   if (const std::optional<Grid> grid = UniformGrid(t, resolution, most, largest, unit_s)) {
     base.step_s = base.usual_step_s = grid->step * unit_s;
+    base.step_range = grid->range, base.plain = grid->plain, base.exact = grid->exact;
     for (std::size_t i = 0; i < t.size(); ++i) {
       base.time_s[i] = grid->index[i] * base.step_s;
       const double missing = i > 0 ? grid->index[i] - grid->index[i - 1] - 1.0 : 0.0;

@@ -17,6 +17,9 @@ struct TimeBase {
   double start_s = 0.0;       // the first stamp, as the file has it
   double step_s = 0.0;        // of a uniform base; 0: instants of their own
   double resolution_s = 0.0;  // to which a stamp is known
+  double step_range = 0.0;    // of a uniform base: any step within this share of step_s goes through all stamps
+  bool plain = false;         // step or rate has so few digits that it is the one that was meant
+  bool exact = false;         // its stamps lie on the grid to round-off: no digit was rounded away
 
   std::size_t events = 0;   // instants of several rows
   std::size_t dropped = 0;  // of a uniform base: rows that are missing in it

@@ -38,6 +38,26 @@ TEST(TimeBase, AGridIsOneWithinTheDigitsOfItsStamps) {
   }
 }
 
+TEST(TimeBase, WhatDigitsLeaveOfAStepIsSaid) {
+  // 610.35 Hz in tenths of a millisecond: 1.6384 ms goes through the stamps as well, and has as many digits.
+  const TimeBase odd = TimeBaseOf(Printed(Grid(1.0 / 610.35, 400), 1e-4));
+  ASSERT_TRUE(odd.uniform());
+  EXPECT_FALSE(odd.plain);
+  EXPECT_LT(std::abs(odd.step_s * 610.35 - 1.0), odd.step_range);
+  EXPECT_LT(odd.step_range, 1e-4 / 0.6);  // a digit over the span
+  const TimeBase usual = TimeBaseOf(Printed(Grid(1e-3, 400, 0.0004), 1e-4));
+  EXPECT_TRUE(usual.plain && usual.exact);
+  EXPECT_DOUBLE_EQ(usual.step_s, 1e-3);
+  EXPECT_FALSE(odd.exact);
+}
+
+TEST(TimeBase, ManyStampsThatAreKnownToRoundOffAreAGrid) {
+  // 12 kHz in microseconds, from 12.3456 s on: sums over the stamps lose more than an ulp of them.
+  const TimeBase base = TimeBaseOf(Grid(1e6 / 12e3, 7200, 12345600.0), 1e-6);
+  ASSERT_TRUE(base.uniform());
+  EXPECT_NEAR(base.step_s * 12e3, 1.0, 1e-14);
+}
+
 TEST(TimeBase, NanosecondsAndSinglePrecisionAreDigitsToo) {
   EXPECT_DOUBLE_EQ(TimeBaseOf(Grid(1e6, 500, 1687168800e9), 1e-9).step_s, 1e-3);
   std::vector<double> single = Grid(1e-3, 500, 1000.0);
