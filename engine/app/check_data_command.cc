@@ -8,6 +8,7 @@
 #include "app/measured.h"
 #include "diagnosis/data_check.h"
 #include "estimation/horizon.h"
+#include "identification/suspects.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
@@ -44,6 +45,21 @@ void CheckMap(const trace::Record& record, const RecordMap& map, Diagnostics& di
   const std::optional<MappedRecord> mapped = MapRecord(record, map, inputs, outputs, diagnostics);
   if (!mapped) return;
   for (const std::string& note : mapped->notes) Note(note + "\n");
+}
+
+/// What a record that looks sound may be instead, where the simulation is far off and one reading brings it near.
+void AddSuspects(const diagnosis::EstimationProblem& problem, std::vector<diagnosis::Finding>& findings) {
+  const Result<std::vector<identification::Suspect>> suspects =
+      identification::SuspectsOf(problem, problem.PlanOf(problem.Nominal()));
+  if (!suspects.ok()) return;
+  for (const identification::Suspect& one : *suspects) {
+    if (!identification::AccountsFor(one.nrmse)) continue;
+    findings.push_back({false, "suspect", "",
+                        fmt::format("with {} the record would be {:.3g} off the simulation (NRMSE): a map says units, "
+                                    "signs and columns",
+                                    one.text, one.nrmse),
+                        0, 0.0, one.nrmse});
+  }
 }
 
 int CheckData(const CheckArguments& arguments) {
@@ -102,6 +118,8 @@ int CheckData(const CheckArguments& arguments) {
         findings.insert(findings.end(), against->begin(), against->end());
       }
       compared = !measured->data.front().outputs.empty();
+      if (compared && std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.fault; }))
+        AddSuspects(problem, findings);
       if (compared) {
         Result<std::optional<estimation::Horizon>> ahead =
             estimation::HorizonOf(measured->plan, measured->data.front(), *registry);

@@ -173,9 +173,14 @@ int Identify(const IdentifyArguments& arguments) {
     Complain(fmt::format("{}: {}\n", record.file, why));
     return kUndecided;
   }
-  const Result<identification::Identified> result = identification::IdentifyBetween(
-      measured->plan, measured->data, *registry,
-      {keys, kMethods.at(arguments.method), arguments.starts, [](double done) { ShowProgress("fitting", done); }});
+  const identification::IdentifyOptions options = {keys, kMethods.at(arguments.method), arguments.starts,
+                                                   [](double done) { ShowProgress("fitting", done); }};
+  Result<identification::Identified> result =
+      identification::IdentifyBetween(measured->plan, measured->data, *registry, options);
+  if (result.ok()) {
+    for (std::string& cause : identification::WhatItMayBe(measured->plan, measured->data, *registry, options, *result))
+      result->doubts.push_back(std::move(cause));
+  }
   ClearProgress();
   if (!result.ok()) {
     Complain(result.failure().ToString() + "\n");

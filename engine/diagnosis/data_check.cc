@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 
 #include "base/units.h"
 #include "diagnosis/value_check.h"
+#include "identification/suspects.h"
 #include "score/fft.h"
 #include "score/series.h"
 #include "trace/time_base.h"
@@ -74,27 +74,6 @@ double Correlation(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<
   const Eigen::VectorXd x = a.array() - a.mean(), y = b.array() - b.mean();
   const double scale = x.norm() * y.norm();
   return scale > 0.0 ? x.dot(y) / scale : 0.0;
-}
-
-/// `unit`: what the signal should be in, "1" where nobody says. A pressure knows no turns.
-std::optional<std::string> WrongUnit(double factor, const std::string& unit) {
-  struct Suspect {
-    double factor;
-    const char* text;
-  };
-  const bool turns = unit == "1" || unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
-  static constexpr std::array<Suspect, 5> kSuspects = {{{1000.0, "a prefix: kilo or milli"},
-                                                        {60.0, "minutes and seconds"},
-                                                        {9.5493, "1/min and rad/s"},
-                                                        {57.2958, "degrees and radians"},
-                                                        {6.2832, "turns and radians (Hz and rad/s)"}}};
-  for (const Suspect& suspect : kSuspects) {
-    if (!turns && suspect.factor < 1000.0) continue;
-    for (const double f : {suspect.factor, 1.0 / suspect.factor}) {
-      if (std::abs(std::log(factor / f)) < 0.03) return fmt::format("about {:.4g}: {}?", f, suspect.text);
-    }
-  }
-  return std::nullopt;
 }
 
 /// How alike two signals are in each octave: the correlation of its lines as a complex number, of which the real part
@@ -214,7 +193,7 @@ Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
                           0.0});
     const double factor = channel.spread / simulated_spread;
     if (std::abs(own) > 0.7) {
-      if (const auto unit = WrongUnit(factor, channel.unit))
+      if (const auto unit = identification::CauseOfFactor(factor, channel.unit))
         findings.push_back(
             {true, "unit", channel.name, fmt::format("is {:.4g} times the simulation, {}", factor, *unit), 0, 0.0});
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
 #include "identification/estimator.h"
+#include "identification/suspects.h"
 #include "scenario/load.h"
 
 namespace dynoproof::identification {
@@ -260,6 +262,41 @@ Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRec
                   "{}: {} is taken, state it in a map: between = \"{}\"",
                   text, taken, taken));
   return best;
+}
+
+std::vector<std::string> WhatItMayBe(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                                     const IdentifyOptions& options, const Identified& identified) {
+  constexpr std::size_t kTried = 3;
+  constexpr double kAlike = 0.5;  // correlation
+  std::vector<std::string> causes;
+  if (PredictionWindow(plan) || AccountsFor(identified.nrmse_after)) return causes;
+  const EstimationProblem problem(plan, data, registry);
+  Plan found = plan;
+  for (const IdentifiedValue& one : identified.values) *found.root.FindPath(one.key) = Value(one.value);
+  // The fit went where a wrong reading sent it: the numbers that it began with are the better guess.
+  std::vector<Suspect> suspects;
+  for (const Plan* at : {&plan, static_cast<const Plan*>(&found)}) {
+    Result<std::vector<Suspect>> some = SuspectsOf(problem, *at);
+    if (some.ok()) std::move(some->begin(), some->end(), std::back_inserter(suspects));
+    if (!suspects.empty()) break;
+  }
+  IdentifyOptions once = options;
+  once.starts = 1;
+  for (std::size_t i = 0; i < std::min(kTried, suspects.size()); ++i) {
+    const Result<Identified> fit = Identify(plan, suspects[i].records, registry, once);
+    if (fit.ok() && AccountsFor(fit->nrmse_after))
+      causes.push_back(
+          fmt::format("with {} the fit leaves NRMSE {:.3g} instead of {:.3g}: a map says units, signs and "
+                      "columns",
+                      suspects[i].text, fit->nrmse_after, identified.nrmse_after));
+  }
+  if (!causes.empty()) return causes;
+  if (const double alike = LargestCorrelation(problem, found); alike < kAlike)
+    causes.push_back(
+        fmt::format("no output is like what the fitted scenario makes of the inputs (correlation {:.2f} at "
+                    "most): are these its inputs and outputs, is it a record of this machine?",
+                    alike));
+  return causes;
 }
 
 nlohmann::json ToJson(const Identified& identified) {

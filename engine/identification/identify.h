@@ -66,6 +66,11 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
 Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
                                    const IdentifyOptions& options);
 
+/// What records may be of which a fit accounts for nothing, each tried by a fit of its own: in another unit, with another
+/// sign, with two signals exchanged, or of another machine. Empty where the fit accounts for them.
+std::vector<std::string> WhatItMayBe(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
+                                     const IdentifyOptions& options, const Identified& identified);
+
 nlohmann::json ToJson(const Identified& identified);
 std::string ToTable(const Identified& identified);
 /// How such a file begins.

@@ -248,6 +248,21 @@ class FieldRecords(Steps):
         a, b = self.write("a.csv", csv(rows[300:700])), self.write("b.csv", csv(rows[500:]))
         self.truth(self.identified(f"{a} --data {b}"), EXACT)
 
+    # --- what is not what it is taken for
+
+    def test_a_record_that_is_another_is_named(self):
+        rows = held().rows()
+        volts, swapped = rows.copy(), rows.copy()
+        volts[:, 2] *= 0.037
+        swapped[:, [1, 2]] = swapped[:, [2, 1]]
+        for name, other, said in (("volts", volts, "T_shaft 27"), ("swapped", swapped, "T_airgap and T_shaft exchanged")):
+            with self.subTest(name):
+                record = self.write("other.csv", csv(other))
+                found = self.shell(f"dynoproof identify line.toml --data {record} --free {KEYS}{WRONG} --starts 1", exit=4)
+                self.assertIn(said, found.stderr)
+                checked = self.shell(f"dynoproof check-data {record} --scenario line.toml", exit=0)
+                self.assertIn(said, checked.stdout)
+
     # --- what nobody asked for
 
     def test_columns_that_nobody_uses_change_nothing(self):

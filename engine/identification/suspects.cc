@@ -1,0 +1,152 @@
+#include "identification/suspects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "identification/objective.h"
+
+namespace dynoproof::identification {
+namespace {
+
+constexpr double kAccounted = 0.5;  // NRMSE: a quarter of the squares is left
+constexpr double kClearly = 0.5;    // of the distance that was
+
+Series Scaled(const Series& series, double factor) {
+  std::vector<double> values = *series.values;
+  for (double& value : values) value *= factor;
+  return {series.time, std::make_shared<const std::vector<double>>(std::move(values))};
+}
+
+Series* Find(MappedRecord& record, const std::string& name) {
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    if (const auto found = signals->find(name); found != signals->end()) return &found->second;
+  }
+  return nullptr;
+}
+
+void Exchange(MappedRecord& record, const std::string& a, const std::string& b) {
+  Series *first = Find(record, a), *second = Find(record, b);
+  if (first == nullptr || second == nullptr) return;
+  std::swap(*first, *second);
+  const auto step_of = [&](const std::string& name) {
+    const auto found = record.step_s.find(name);
+    return found != record.step_s.end() ? found->second : 0.0;
+  };
+  const double step_a = step_of(a), step_b = step_of(b);
+  for (const auto& [name, step_s] : {std::pair(a, step_b), std::pair(b, step_a)}) {
+    if (step_s > 0.0)
+      record.step_s[name] = step_s;
+    else
+      record.step_s.erase(name);
+  }
+}
+
+/// An output beside its prediction, both without their means.
+struct Beside {
+  double factor = 1.0, correlation = 0.0;  // of the prediction; 0 where one of them stands still
+};
+
+Beside Compare(const EstimationProblem& problem, const Eigen::VectorXd& predicted, const std::string& name) {
+  double both = 0.0, measured = 0.0, simulated = 0.0;
+  for (const Channel& c : problem.channels()) {
+    if (c.name != name) continue;
+    const Eigen::ArrayXd x = problem.measured().segment(c.begin, c.count), y = predicted.segment(c.begin, c.count);
+    both += ((x - x.mean()) * (y - y.mean())).sum();
+    measured += (x - x.mean()).square().sum(), simulated += (y - y.mean()).square().sum();
+  }
+  if (!(measured > 0.0) || !(simulated > 0.0)) return {};
+  return {std::copysign(std::sqrt(measured / simulated), both), both / std::sqrt(measured * simulated)};
+}
+
+std::string TextOfFactor(const std::string& names, double factor, const std::string& unit) {
+  const std::string size = fmt::format("{:.4g} times as large", std::abs(factor));
+  if (std::abs(std::abs(factor) - 1.0) < 0.1) return fmt::format("{} with the other sign", names);
+  const std::optional<std::string> cause = CauseOfFactor(factor, unit);
+  return fmt::format("{} {}{} ({})", names, size, factor < 0.0 ? " and with the other sign" : "",
+                     cause ? *cause : "another unit, e.g. volts of a sensor?");
+}
+
+}  // namespace
+
+std::optional<std::string> CauseOfFactor(double factor, const std::string& unit) {
+  struct Cause {
+    double factor;
+    const char* text;
+  };
+  const bool turns = unit == "1" || unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
+  static constexpr std::array<Cause, 5> kCauses = {{{1000.0, "a prefix: kilo or milli"},
+                                                    {60.0, "minutes and seconds"},
+                                                    {9.5493, "1/min and rad/s"},
+                                                    {57.2958, "degrees and radians"},
+                                                    {6.2832, "turns and radians (Hz and rad/s)"}}};
+  for (const Cause& cause : kCauses) {
+    if (!turns && cause.factor < 1000.0) continue;
+    for (const double f : {cause.factor, 1.0 / cause.factor}) {
+      if (std::abs(std::log(std::abs(factor) / f)) < 0.03) return fmt::format("about {:.4g}: {}?", f, cause.text);
+    }
+  }
+  return std::nullopt;
+}
+
+bool AccountsFor(double nrmse) { return nrmse < kAccounted; }
+
+Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const Plan& plan) {
+  std::vector<Suspect> suspects;
+  const auto distance = [&](const EstimationProblem& of) { return NrmseOf(*FreeRunObjective(of), plan); };
+  const Result<double> before = distance(problem);
+  if (!before.ok()) return before.failure();
+  if (AccountsFor(*before) || problem.channels().empty()) return suspects;
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
+  if (!predicted.ok()) return predicted.failure();
+  const auto consider = [&](const std::string& text, const std::function<void(MappedRecord&)>& read) -> void {
+    std::vector<MappedRecord> records = problem.records();
+    for (MappedRecord& record : records) read(record);
+    const Result<double> after = distance({problem.plan(), records, problem.registry()});
+    if (after.ok() && *after < kClearly * *before) suspects.push_back({text, *after, std::move(records)});
+  };
+  std::vector<std::string> inputs, outputs;
+  for (const auto& [name, series] : problem.records().front().inputs) inputs.push_back(name);
+  for (const auto& [name, series] : problem.records().front().outputs) outputs.push_back(name);
+  const auto unit_of = [&](const char* section, const std::string& name) {
+    return plan.root.TextOr(fmt::format("{}.{}.unit", section, name), "1");
+  };
+  double mean = 0.0;  // logarithmic, of the outputs' factors
+  for (const std::string& name : outputs) {
+    const Beside beside = Compare(problem, *predicted, name);
+    mean += std::log(std::abs(beside.factor)) / static_cast<double>(outputs.size());
+    consider(TextOfFactor(name, 1.0 / beside.factor, unit_of("output", name)), [&](MappedRecord& record) {
+      if (Series* series = Find(record, name)) *series = Scaled(*series, 1.0 / beside.factor);
+    });
+  }
+  if (!inputs.empty())
+    consider(TextOfFactor(fmt::format("{}", fmt::join(inputs, ", ")), std::exp(mean), unit_of("input", inputs.front())),
+             [&](MappedRecord& record) {
+               for (auto& [name, series] : record.inputs) series = Scaled(series, std::exp(mean));
+             });
+  std::vector<std::string> all = inputs;
+  all.insert(all.end(), outputs.begin(), outputs.end());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = std::max(i + 1, inputs.size()); k < all.size(); ++k)
+      consider(fmt::format("{} and {} exchanged", all[i], all[k]),
+               [&](MappedRecord& record) { Exchange(record, all[i], all[k]); });
+  }
+  std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
+  return suspects;
+}
+
+double LargestCorrelation(const EstimationProblem& problem, const Plan& plan) {
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
+  double largest = 0.0;
+  if (!predicted.ok()) return largest;
+  for (const Channel& c : problem.channels())
+    largest = std::max(largest, std::abs(Compare(problem, *predicted, c.name).correlation));
+  return largest;
+}
+
+}  // namespace dynoproof::identification
