@@ -56,20 +56,29 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {
     if (nuisance.start) starts.push_back(&nuisance);
   }
   if (starts.empty()) return plan;
-  const Result<Eigen::VectorXd> before = problem.PredictPlan(plan);
-  if (!before.ok()) return before.failure();
-  Eigen::VectorXd weight(before->size());  // of each row
-  for (const Channel& c : problem.channels())
-    weight.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
   for (std::size_t r = 0; r < records.size(); ++r) {
     if (!records[r].in_motion) continue;
+    // A start moves its own record alone: the others are not run for it.
+    const EstimationProblem own(problem.plan(), {records[r]}, problem.registry(), 1.0, problem.context());
+    const auto predict = [&](const std::vector<double>& values) {
+      Plan moved = plan;
+      moved.root.Erase("start_of_record");
+      for (std::size_t k = 0; k < starts.size(); ++k) Write(moved, StartOfRecord(0) + "." + starts[k]->path, values[k]);
+      return own.PredictPlan(moved);
+    };
+    std::vector<double> values;
+    for (const Nuisance* start : starts) values.push_back(Read(plan, r, start->path));
+    const Result<Eigen::VectorXd> before = predict(values);
+    if (!before.ok()) return before.failure();
+    Eigen::VectorXd weight(before->size());  // of each row
+    for (const Channel& c : own.channels())
+      weight.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
     Eigen::MatrixXd slopes(before->size(), static_cast<Eigen::Index>(starts.size()));
     std::vector<Status> failed(starts.size());
     ParallelFor(starts.size(), 0, [&](std::size_t k) {
-      Plan moved = plan;
-      Write(moved, StartOfRecord(r) + "." + starts[k]->path,
-            Read(plan, r, starts[k]->path) + kStep * starts[k]->spread);
-      const Result<Eigen::VectorXd> after = problem.PredictPlan(moved);
+      std::vector<double> moved = values;
+      moved[k] += kStep * starts[k]->spread;
+      const Result<Eigen::VectorXd> after = predict(moved);
       if (after.ok())
         slopes.col(static_cast<Eigen::Index>(k)) = (*after - *before).cwiseProduct(weight) / kStep;
       else
@@ -78,15 +87,12 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {
     for (const Status& one : failed) {
       if (one) return *one;
     }
-    Eigen::VectorXd error = (problem.measured() - *before).cwiseProduct(weight);
-    for (const Channel& c : problem.channels()) {
-      if (c.record != r) error.segment(c.begin, c.count).setZero(), slopes.middleRows(c.begin, c.count).setZero();
-    }
+    const Eigen::VectorXd error = (own.measured() - *before).cwiseProduct(weight);
     // What the record does not show stays at its nominal value: the smallest of all solutions.
     const Eigen::VectorXd z = slopes.completeOrthogonalDecomposition().solve(error);
     for (std::size_t k = 0; k < starts.size(); ++k)
       Write(plan, StartOfRecord(r) + "." + starts[k]->path,
-            Read(plan, r, starts[k]->path) + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
+            values[k] + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
   }
   return plan;
 }

@@ -1,0 +1,77 @@
+// Records that begin in motion, each with a start of its own.
+#include "identification/start.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "experiment/checks.h"
+#include "identification/objective.h"
+#include "model/registry.h"
+#include "scenario/load.h"
+#include "tests/identification/three_masses.h"
+#include "tests/support/temp_dir.h"
+
+namespace dynoproof::identification {
+namespace {
+
+class Start : public testing::Test {
+ protected:
+  Start() {
+    RegisterBuiltIns(registry_);
+    RegisterChecks(registry_);
+    Diagnostics diagnostics;
+    plan_ = LoadPlan(folder_.Write("line.toml", kThreeMasses).string(),
+                     {"plant.inertia.I3=0.5", "plant.shaft.k1.stiffness_Nm_per_rad=4e5"}, diagnostics);
+    EXPECT_TRUE(plan_ && diagnostics.error_count() == 0);
+  }
+
+  /// Rows [first, last) of one experiment at 1 kHz.
+  static MappedRecord Cut(std::size_t first, std::size_t last) {
+    const Rows all = RunThreeMasses(Chirp(last, 1e-3, 1), 1e-3);
+    const auto part = [&](const std::vector<double>& values) {
+      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(first), values.end());
+    };
+    trace::Record record{.source = "part",
+                         .columns = {{.name = "t", .values = part(all.t)},
+                                     {.name = "T_airgap", .values = part(all.T_airgap)},
+                                     {.name = "T_shaft", .values = part(all.T_shaft)},
+                                     {.name = "omega_1", .values = part(all.omega_1)}},
+                         .time = {},
+                         .non_finite = {},
+                         .notes = {}};
+    trace::FinishRecord(record);
+    Diagnostics diagnostics;
+    std::optional<MappedRecord> mapped =
+        MapRecord(record, {}, {{"T_airgap", "N m"}}, {{"T_shaft", "N m"}, {"omega_1", "rad/s"}}, diagnostics);
+    EXPECT_TRUE(mapped);
+    mapped->in_motion = true;
+    return *std::move(mapped);
+  }
+
+  test::TempDir folder_;
+  Registry registry_;
+  std::optional<Plan> plan_;
+};
+
+TEST_F(Start, IsFoundForEachRecordByRunsOfThatOneAlone) {
+  const EstimationProblem problem(*plan_, {Cut(200, 500), Cut(350, 600), Cut(0, 100)}, registry_);
+  const auto starts = std::count_if(problem.nuisances().begin(), problem.nuisances().end(),
+                                    [](const Nuisance& nuisance) { return nuisance.start; });
+  ASSERT_EQ(starts, 5);  // one speed, and of each of two shafts its twist and the rate of that
+  const double before = problem.context().allowance->simulations();
+  const Result<Plan> found = FitStarts(problem, problem.plan());
+  ASSERT_TRUE(found.ok());
+  const double record_s = 0.299 + 0.249 + 0.099;
+  EXPECT_NEAR(problem.context().allowance->simulations() - before, record_s * static_cast<double>(1 + starts), 1e-9);
+  const std::unique_ptr<Objective> free_run = FreeRunObjective(problem);
+  const Result<double> off = NrmseOf(*free_run, *found);
+  ASSERT_TRUE(off.ok());
+  // A linear line: the slopes are differences of runs, whose round-off is 1e-10 of the spread over the step of 1e-3.
+  EXPECT_LT(*off, 1e-7);
+}
+
+}  // namespace
+}  // namespace dynoproof::identification
