@@ -50,6 +50,18 @@ Series Centred(const Series& series, double period_s) {
   return {std::make_shared<const Values>(std::move(time)), series.values};
 }
 
+/// Of two samples at one instant, an event, the second: what holds from there on.
+Series BehindEvents(const Series& series) {
+  const Values& t = *series.time;
+  if (std::adjacent_find(t.begin(), t.end()) == t.end()) return series;
+  Values time, values;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (i + 1 < t.size() && t[i + 1] == t[i]) continue;
+    time.push_back(t[i]), values.push_back((*series.values)[i]);
+  }
+  return MakeSeries(std::move(time), std::move(values));
+}
+
 /// The mean over each period, held: of steps at the samples, or of straight lines between them.
 Series MeansOf(const Series& series, double period_s, bool lines) {
   const Values &t = *series.time, &x = *series.values;
@@ -160,11 +172,16 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
   std::optional<MappedRecord> brought;
   const MappedRecord& data = given.period_s > 0.0 ? given : brought.emplace(OntoClock(given, plan));
   const double period_s = data.period_s;
-  for (const auto& [name, series] : data.inputs) {
+  for (const auto& [name, given_series] : data.inputs) {
     std::string between = BetweenOf(data, name, plan);
-    const bool on_ticks = OffTicks(*series.time, period_s) <= kOnTick;
+    const bool on_ticks = OffTicks(*given_series.time, period_s) <= kOnTick;
     if (between.starts_with("band_limited") && !data.step_s.contains(name)) between = "linear";
-    if (between == "band_limited" || (between == "linear" && on_ticks)) {
+    const Series series = BehindEvents(given_series);
+    const bool jumps = series.time != given_series.time;
+    if (between == "linear" && jumps) {
+      records[name] = MeansOf(given_series, period_s, true);
+      between = "hold";
+    } else if (between == "band_limited" || (between == "linear" && on_ticks)) {
       records[name] = Centred(series, period_s);
     } else if (between == "band_limited_held") {
       records[name] = series;

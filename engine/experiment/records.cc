@@ -32,7 +32,8 @@ struct Raw {
   std::string name;
   bool input = false;
   trace::TimeBase base;
-  std::vector<double> values;  // by instant, SI
+  std::vector<double> values;                       // by instant, SI
+  std::map<std::size_t, double> before_event = {};  // by number of the instant, SI
 };
 
 class Mapper {
@@ -68,7 +69,9 @@ class Mapper {
     diagnostics_.Error(
         {record_.source},
         fmt::format("no column is a signal of the scenario; columns: {}", fmt::join(record_.Names(), ", ")),
-        fmt::format("the scenario has: {}; name them in a map file (--map)", fmt::join(wanted, ", ")));
+        fmt::format("the scenario has: {}; name them in a map file (--map), which dynoproof new map FILE --scenario ID "
+                    "proposes",
+                    fmt::join(wanted, ", ")));
   }
 
   void Take(bool input, const std::vector<SignalName>& signals) {
@@ -159,7 +162,10 @@ class Mapper {
     // A sample of an output is what was measured before the event, a command holds from it on.
     for (std::size_t i = 0; i < raw.base.time_s.size(); ++i)
       raw.values.push_back(to_si->first * values[input ? raw.base.last_row[i] : raw.base.first_row[i]] + to_si->second);
-    if (input && raw.base.events > 0) before_event_[channel.name] = BeforeEvents(raw.base, values, *to_si);
+    for (std::size_t i = 0; input && i < raw.base.time_s.size(); ++i) {
+      const std::size_t first = raw.base.first_row[i];
+      if (raw.base.last_row[i] > first) raw.before_event[i] = to_si->first * values[first] + to_si->second;
+    }
     if (!channel.between.empty()) result_.between[channel.name] = channel.between;
     raw_.push_back(std::move(raw));
   }
@@ -224,8 +230,8 @@ class Mapper {
       if (!time_fault_)
         diagnostics_.Error(
             {record_.source},
-            fmt::format("no time for column \"{}\": there is no column t or time of its length", column.name),
-            "say time = { column = ... } or time = { rate_hz = ... } in a map file");
+            fmt::format("no time for column \"{}\": there is no column of stamps of its length", column.name),
+            "say time = { column = ... } or time = { rate_hz = ... } in a map file (dynoproof describe map)");
       time_fault_ = true;
       return std::nullopt;
     }
@@ -283,17 +289,6 @@ class Mapper {
   static bool IsRaster(const std::vector<double>& stamps) {
     const trace::TimeBase base = trace::TimeBaseOf(stamps);
     return base.uniform() && base.dropped == 0 && base.events == 0;
-  }
-
-  /// Of an input that goes in lines: the value up to each event, by instant.
-  static std::map<double, double> BeforeEvents(const trace::TimeBase& base, const std::vector<double>& values,
-                                               const std::pair<double, double>& to_si) {
-    std::map<double, double> before;
-    for (std::size_t i = 0; i < base.time_s.size(); ++i) {
-      if (base.last_row[i] > base.first_row[i])
-        before[base.time_s[i]] = to_si.first * values[base.first_row[i]] + to_si.second;
-    }
-    return before;
   }
 
   /// Rasters of one logger count multiples of one step, of which each alone may tell less than all together.
@@ -387,7 +382,6 @@ class Mapper {
     const double slack = 0.01 * raw.base.usual_step_s;
     std::vector<double> time, values;
     std::size_t before = 0, after = 0;
-    const auto events = before_event_.find(raw.name);
     for (std::size_t i = 0; i < raw.base.time_s.size(); ++i) {
       const double t = raw.base.time_s[i] + offset;
       if (driven && t > span + slack) {
@@ -398,10 +392,8 @@ class Mapper {
         ++before;
         continue;
       }
-      if (events != before_event_.end() && events->second.contains(raw.base.time_s[i]) &&
-          between(raw.name) == "linear") {
-        time.push_back(std::nextafter(t, -1.0)), values.push_back(events->second.at(raw.base.time_s[i]));
-      }
+      if (const auto event = raw.before_event.find(i); event != raw.before_event.end())
+        time.push_back(t), values.push_back(event->second);
       time.push_back(t), values.push_back(raw.values[i]);
     }
     if (before + after > 0)
@@ -419,17 +411,11 @@ class Mapper {
         std::make_shared<const std::vector<double>>(std::move(values))};
   }
 
-  std::string between(const std::string& name) const {
-    const auto found = result_.between.find(name);
-    return found != result_.between.end() ? found->second : "";
-  }
-
   const trace::Record& record_;
   const RecordMap& map_;
   Diagnostics& diagnostics_;
   MappedRecord result_;
   std::vector<Raw> raw_;
-  std::map<std::string, std::map<double, double>> before_event_;
   std::vector<double> last_stamps_;
   double last_unit_s_ = 0.0;
   trace::TimeBase last_base_;

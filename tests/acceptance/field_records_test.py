@@ -181,6 +181,29 @@ class FieldRecords(Steps):
         out[40][0], out[41][0] = out[41][0], out[40][0] - 1e-3
         self.assertIn("falls", self.shell(f"dynoproof run line.toml --data {self.write('falls.csv', csv(out))}", exit=2).stderr)
 
+    def test_an_event_of_an_input_that_goes_in_lines(self):
+        """Two rows at an instant: a line comes to the first, the next begins with the second. Nobody says that it is lines."""
+        step, knots = 1e-4, np.arange(0, 6001, 10)
+        t = np.arange(6001) * step
+        # Regular ones would be the stamps of a step of 0.98 ms, rounded.
+        events = (530, 1410, 1870, 3050, 4110, 4980)
+        jumps = 80.0 * (-1.0) ** np.searchsorted(events, np.arange(6001), "right")
+        smooth = np.interp(t, t[knots], chirp(t[knots]))
+        course = 0.5 * (smooth[:-1] + smooth[1:]) + jumps[:-1]  # the mean of each step
+        fine = Experiment(course, step)
+        out, after = [], []
+        for i in knots[:-1]:
+            values = [fine.shaft[i], fine.omega[i]]
+            if i > 0 and jumps[i] != jumps[i - 1]:
+                out.append([t[i], smooth[i] + jumps[i - 1]] + values)
+            out.append([t[i], smooth[i] + jumps[i]] + values)
+            after.append(out[-1])
+        record = self.write("lines.csv", csv(out))
+        self.assertIn("taken as linear,", self.notes(record))
+        self.exact(record)
+        # Without the values before the events the lines go astray.
+        self.assertGreater(self.distance(self.write("after.csv", csv(after))), 1e-2)
+
     # --- rasters
 
     def test_two_rasters_side_by_side(self):
@@ -262,6 +285,27 @@ class FieldRecords(Steps):
                 self.assertIn(said, found.stderr)
                 checked = self.shell(f"dynoproof check-data {record} --scenario line.toml", exit=0)
                 self.assertIn(said, checked.stdout)
+
+    # --- the ways of newcomers: the file, the map that the program proposes, the numbers
+
+    def proposed(self, record):
+        self.assertIn("dynoproof new map", self.shell(f"dynoproof run line.toml --data {record}", exit=2).stderr)
+        self.shell(f"dynoproof new map {record} --scenario line.toml")
+        return f" --map {record.replace('.csv', '.map.toml')}"
+
+    def test_revolutions_milliseconds_and_a_decimal_comma(self):
+        text = "Messung 17;;;\nZeit [ms];M_Luftspalt [Nm];M_Welle [Nm];n [1/min]\n"
+        for t, torque, shaft, omega in held().rows():
+            text += f"{t * 1e3:.3f};{torque:.12g};{shaft:.12g};{omega * 30 / np.pi:.12g}\n".replace(".", ",")
+        record = self.write("bench.csv", text)
+        self.exact(record, self.proposed(record))
+
+    def test_a_logger_of_a_bus_with_absolute_stamps(self):
+        text = "Timestamp,AirgapTorque [kNm],ShaftTorque [Nm],Speed [rpm],Gear\n"
+        for t, torque, shaft, omega in held().rows():
+            text += f"{1687168800 + t:.6f},{torque / 1e3:.12g},{shaft:.12g},{omega * 30 / np.pi:.12g},D\n"
+        record = self.write("bus.csv", text)
+        self.exact(record, self.proposed(record))
 
     # --- what nobody asked for
 
