@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "base/text.h"
@@ -424,8 +425,8 @@ class RigBuilder {
     }
   }
 
-  /// Sorts blocks so that each comes after those whose outputs it passes on at the same instant; ties by name. In a
-  /// circle of controls the first by name goes first and reads the last tick's value; a circle of blocks is a fault.
+  /// Sorts blocks so that each comes after those whose outputs it passes on at the same instant; ties by name. A circle
+  /// is a fault: whichever of its members came first would read values of another age than the others do.
   void Order() {
     rig_->blocks = Sorted(continuous_, false);
     rig_->controls = Sorted(discrete_, true);
@@ -441,35 +442,63 @@ class RigBuilder {
     return false;
   }
 
+  /// Whether two controls are ever due at one instant. Where they are not, time orders them.
+  static bool EverTogether(const Block& a, const Block& b) {
+    return (a.offset - b.offset) % std::gcd(a.period, b.period) == 0;
+  }
+
+  /// Whether `block` must come after `other`. A control that reads itself reads its last tick, whatever the order.
+  static bool WaitsFor(const Block& block, const Block& other, bool discrete) {
+    if (discrete && (&block == &other || !EverTogether(block, other))) return false;
+    for (int out = 0; out < other.outputs(); ++out) {
+      if (PassesOn(block, other.first_output + out, discrete)) return true;
+    }
+    return false;
+  }
+
   std::vector<Block> Sorted(std::vector<std::unique_ptr<Block>>& list, bool discrete) {
     std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a->name < b->name; });
+    const auto first_awaited = [&](const Block& block) {
+      return std::find_if(list.begin(), list.end(),
+                          [&](const auto& other) { return WaitsFor(block, *other, discrete); });
+    };
     std::vector<Block> sorted;
     while (!list.empty()) {
-      const auto waits = [&](const Block& block) {
-        for (const auto& other : list) {
-          for (int out = 0; out < other->outputs(); ++out) {
-            if (other.get() != &block && PassesOn(block, other->first_output + out, discrete)) return true;
-          }
-          if (other.get() == &block && !discrete) {
-            for (int out = 0; out < block.outputs(); ++out) {
-              if (PassesOn(block, block.first_output + out, false)) return true;
-            }
+      auto next = std::find_if(list.begin(), list.end(),
+                               [&](const auto& block) { return first_awaited(*block) == list.end(); });
+      if (next == list.end()) {  // all wait: going from each to one that it waits for ends in a circle
+        std::vector<const Block*> walk = {list.front().get()};
+        auto again = walk.end();
+        while (again == walk.end()) {
+          const Block* awaited = first_awaited(*walk.back())->get();
+          again = std::find(walk.begin(), walk.end(), awaited);
+          if (again == walk.end()) {
+            walk.push_back(awaited);
+            again = walk.end();
           }
         }
-        return false;
-      };
-      auto next = std::find_if(list.begin(), list.end(), [&](const auto& block) { return !waits(*block); });
-      if (next == list.end()) {
-        if (!discrete) {
-          diagnostics_.Error(plan_.root.where(), fmt::format("an algebraic loop passes through {}", list.front()->name),
-                             "put a lag or a delay into the loop");
-        }
-        next = list.begin();
+        ReportCircle({again, walk.end()}, discrete);
+        next = std::find_if(list.begin(), list.end(), [&](const auto& block) { return block.get() == *again; });
       }
       sorted.push_back(std::move(**next));
       list.erase(next);
     }
     return sorted;
+  }
+
+  void ReportCircle(const std::vector<const Block*>& circle, bool discrete) {
+    std::string way;
+    for (const Block* block : circle) way += block->name + " reads ";
+    way += circle.front()->name;
+    const Value* table = plan_.root.FindPath(circle.front()->name);
+    const SourceSpan& where = table != nullptr ? table->where() : plan_.root.where();
+    if (discrete) {
+      diagnostics_.Error(where, fmt::format("controls that tick at one instant read one another in a circle: {}", way),
+                         "nothing says which of them reads the last tick's value; give one an offset_s, so that they "
+                         "tick one after the other");
+    } else {
+      diagnostics_.Error(where, fmt::format("an algebraic loop: {}", way), "put a lag or a delay into the loop");
+    }
   }
 
   /// Gives every block its place in the frame.
