@@ -121,6 +121,23 @@ TEST(CheckKinds, ARunWithoutNumbersNeverPasses) {
   }
 }
 
+/// One sample of each signal in turn, in the middle of a run that is sound elsewhere.
+TEST(CheckKinds, ARunWithOneSampleThatIsNoNumberNeverPasses) {
+  constexpr double kNot = std::numeric_limits<double>::quiet_NaN(), kEndless = std::numeric_limits<double>::infinity();
+  for (const auto& [kind, row] : Rows()) {
+    if (!row.judges_samples || testing::FullRegistry().FindCheck(kind) == nullptr) continue;
+    for (const double value : {kNot, kEndless, -kEndless}) {
+      SCOPED_TRACE(kind + " " + std::to_string(value));
+      testing::CheckBed bed(Stated(kind));
+      for (auto* signals : {&bed.samples.inputs, &bed.samples.outputs}) {
+        for (std::vector<double>& values : *signals) values[values.size() / 2] = value;
+      }
+      bed.plan.root["analysis"] = Value{{"input", "u_1"}, {"output", "p_s"}};
+      for (const score::Check& check : bed.Run()) EXPECT_NE(check.verdict, score::Verdict::kPass) << check.name;
+    }
+  }
+}
+
 TEST(CheckKinds, ARunWithoutSamplesNeverPasses) {
   for (const auto& [kind, row] : Rows()) {
     if (row.judges_samples && testing::FullRegistry().FindCheck(kind) != nullptr) ExpectNoPass(kind, 0, false);

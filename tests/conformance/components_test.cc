@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/units.h"
@@ -92,6 +94,51 @@ TEST(Plugins, AnUnknownKeyIsAFault) {
   }
 }
 
+/// The tables that differ from this one by a number in one place that is none.
+std::vector<std::pair<std::string, Value>> WithoutANumber(const Value& table) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<std::string, Value>> changed;
+  for (const Value::Entry& entry : table.table()) {
+    for (const double no_number : {std::numeric_limits<double>::quiet_NaN(), kEndless, -kEndless}) {
+      Value other = table;
+      if (entry.value.is_number()) {
+        other[entry.key] = Value(no_number);
+      } else if (entry.value.is_array() && !entry.value.array().empty() && entry.value.array()[0].is_number()) {
+        other[entry.key].array().back() = Value(no_number);
+      } else {
+        continue;
+      }
+      changed.emplace_back(entry.key + " = " + std::to_string(no_number), std::move(other));
+    }
+  }
+  return changed;
+}
+
+TEST(Plugins, AParameterThatIsNoNumberIsAFault) {
+  int tried = 0;
+  for (const char* kind : {"source", "actuator", "sensor"}) {
+    ForEachExample(kind, [&](const Component&, const Example& example) {
+      for (const auto& [what, table] : WithoutANumber(example.table)) {
+        std::string faults;
+        EXPECT_EQ(Build(kind, table, {.nominal = 1000.0}, &faults), nullptr) << what;
+        EXPECT_NE(faults, "") << what;
+        ++tried;
+      }
+    });
+  }
+  for (const PluginInfo* info : BuiltIns().Plugins()) {
+    if (info->kind != "law") continue;
+    SCOPED_TRACE("law." + info->name);
+    for (const auto& [what, table] : WithoutANumber(Examples().at({"law", info->name}).table)) {
+      std::string faults;
+      EXPECT_EQ(testing::BuildLaw(table, &faults), nullptr) << what;
+      EXPECT_NE(faults, "") << what;
+      ++tried;
+    }
+  }
+  EXPECT_GT(tried, 150);  // 3 for each number of some 60 examples
+}
+
 TEST(Sources, ArePureFunctionsOfTimeAndSeed) {
   ForEachExample("source", [](const Component& source, const Example& example) {
     EXPECT_TRUE(source.layout().inputs.empty() && source.layout().states.empty());
@@ -171,6 +218,22 @@ TEST(Stages, StartInSteadyState) {
       stage.Start({&in, 1}, states, modes);
       stage.Derivative({0.0, {&in, 1}, states, modes}, rates);
       for (const double rate : rates) EXPECT_EQ(rate, 0.0);
+    });
+  }
+}
+
+/// At once, or as the rate of a state: a limit or a play must not make a number of it.
+TEST(Stages, PassOnWhatIsNoNumber) {
+  for (const char* kind : {"actuator", "sensor"}) {
+    ForEachExample(kind, [](const Component& stage, const Example&) {
+      std::vector<double> states(stage.layout().states.size(), 0.0), rates = states;
+      std::vector<int> modes(static_cast<std::size_t>(stage.layout().modes), 0);
+      const double in = std::numeric_limits<double>::quiet_NaN();
+      double out = 0.0;
+      stage.Output({0.5, {&in, 1}, states, modes}, {&out, 1});
+      stage.Derivative({0.5, {&in, 1}, states, modes}, rates);
+      const bool shows = std::isnan(out) || std::ranges::any_of(rates, [](double rate) { return std::isnan(rate); });
+      EXPECT_TRUE(shows) << "gives " << out;
     });
   }
 }

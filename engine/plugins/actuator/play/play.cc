@@ -22,7 +22,8 @@ void Play::Start(std::span<const double> inputs, std::span<double> states, std::
 
 void Play::Output(const View& view, std::span<double> outputs) const {
   const double in = view.inputs[0];
-  outputs[0] = half_ > 0.0 ? std::clamp(view.states[0], in - half_, in + half_) : in;
+  // Written so, and not as std::clamp, an input that is no number is passed on.
+  outputs[0] = half_ > 0.0 ? std::max(in - half_, std::min(view.states[0], in + half_)) : in;
 }
 
 void Play::Derivative(const View&, std::span<double> rates) const {
