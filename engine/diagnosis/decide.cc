@@ -103,6 +103,7 @@ bool LeavesTheSignal(const EstimationProblem& problem, const Estimate& null, con
     };
     const double before = rms(null), after = rms(best);
     const double gain = static_cast<double>(c.count) * (before * before / std::max(after * after, 1e-300) - 1.0);
+    if (!std::isfinite(after)) return true;
     if (gain <= most) continue;
     most = gain;
     leaves = after > kMost * before && after > kMost * c.spread;
@@ -124,8 +125,8 @@ std::vector<std::size_t> AmbiguitySet(const std::vector<Estimate>& fits, double 
 }
 
 bool GainsOnHoldout(const HoldoutErrors& errors, double deviation) {
-  const bool rival = deviation <= policy::kWithinPrior;
-  return errors.after < (rival ? std::min(errors.before, errors.released) : errors.before);
+  const bool rival = !(deviation > policy::kWithinPrior);
+  return errors.after < errors.before && (!rival || errors.after < errors.released);
 }
 
 }  // namespace dynoproof::diagnosis

@@ -245,7 +245,7 @@ std::vector<std::string> Judgement::Strained(const Estimate& null) const {
   std::vector<std::string> strained;
   for (std::size_t i = 0; i < problem_.nuisances().size(); ++i) {
     const Nuisance& nuisance = problem_.nuisances()[i];
-    if (!nuisance.start && nuisance.effect == nullptr && std::abs(null.hypothesis.z[i]) > policy::kWithinPrior)
+    if (!nuisance.start && nuisance.effect == nullptr && !(std::abs(null.hypothesis.z[i]) <= policy::kWithinPrior))
       strained.push_back("nominal_value@" + nuisance.path);
   }
   return strained;

@@ -26,7 +26,7 @@ const Row kTable[] = {
                           fmt::join(e.strained, ", "));
      }},
     {"no significant candidate, a nominal value beyond its prior",
-     [](const VerdictEvidence& e) { return e.best.empty() && e.null_deviation >= policy::kBeyondPrior; },
+     [](const VerdictEvidence& e) { return e.best.empty() && !(e.null_deviation < policy::kBeyondPrior); },
      Verdict::kUnexplained,
      [](const VerdictEvidence& e) {
        return fmt::format(
@@ -45,7 +45,7 @@ const Row kTable[] = {
                           e.found.empty() ? "" : ": ", e.found, e.pairs.empty() ? "" : "; ", e.pairs);
      }},
     {"a nominal value beyond its prior beside the best candidate",
-     [](const VerdictEvidence& e) { return e.deviation > policy::kWithinPrior; }, Verdict::kUnexplained,
+     [](const VerdictEvidence& e) { return !(e.deviation <= policy::kWithinPrior); }, Verdict::kUnexplained,
      [](const VerdictEvidence& e) {
        return fmt::format("the best candidate, {}, needs another nominal value {:.1f} prior standard deviations off",
                           e.best, e.deviation);

@@ -261,8 +261,10 @@ double LargestDeviation(const EstimationProblem& problem, const Estimate& fit) {
   double farthest = 0.0;
   for (const int i : fit.nuisances.free) {
     const auto k = static_cast<std::size_t>(i);
-    if (!problem.nuisances()[k].start)
-      farthest = std::max(farthest, std::abs(fit.hypothesis.z[k]) / fit.nuisances.freedom[k]);
+    if (problem.nuisances()[k].start) continue;
+    const double deviation = std::abs(fit.hypothesis.z[k]) / fit.nuisances.freedom[k];
+    if (std::isnan(deviation)) return deviation;  // std::max would pass over it
+    farthest = std::max(farthest, deviation);
   }
   return farthest;
 }

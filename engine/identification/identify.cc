@@ -186,9 +186,9 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
   }
   const double before = result.level ? result.level->nrmse_before : result.nrmse_before;
   const double after = result.level ? result.level->nrmse_after : result.nrmse_after;
-  if (after > kWorse * before)
+  if (!(after <= kWorse * before))
     doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", before, after));
-  if (after > kNothing)
+  if (!(after <= kNothing))
     doubts.push_back(
         fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?", after));
   return doubts;

@@ -6,6 +6,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+#include <limits>
 
 #include "identification/noise_model.h"
 #include "score/series.h"
@@ -99,6 +100,10 @@ std::vector<Structure> FindStructure(const EstimationProblem& problem, const Eig
     Structure& result = found.emplace_back();
     result.signal = channel.name;
     const auto rows = residual.segment(channel.begin, channel.count);
+    if (!rows.allFinite()) {  // nothing can be tested, and nothing is explained
+      result.rings = result.over_floor = result.size = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
     // A record without noise leaves the rounding of both simulations, which follows everything and means nothing.
     constexpr double kRounding = 1e-9;
     if (rows.norm() <= kRounding * channel.spread * std::sqrt(static_cast<double>(channel.count))) continue;

@@ -42,8 +42,8 @@ struct Structure {
   std::string Text() const;
   /// Follows from its own past nearly without error, as a resonance of the machine does, or is far larger than the
   /// highest frequencies allow. Sensors' noise is not: of a first-order lag with 20 samples (pole 0.95) it is 10 times
-  /// its prediction error in variance, and 6 times the floor.
-  bool TooLarge() const { return (rings > 30.0 || over_floor > 12.0) && size > 1e-3; }
+  /// its prediction error in variance, and 6 times the floor. What is no number is too large.
+  bool TooLarge() const { return !(rings <= 30.0 && over_floor <= 12.0) && !(size <= 1e-3); }
 };
 bool AnyFound(const std::vector<Structure>& structure);
 /// The texts of all channels in which something was found.

@@ -36,6 +36,8 @@ TEST_F(LeavesTheSignal, WhereMostOfItIsMissedInTheChannelThatGainsMost) {
   EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(0.011, 0.01), missing(0.01, 0.01)));
   EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(3.0, 0.01), missing(0.9, 0.01)));
   EXPECT_FALSE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(2.9, 0.57), missing(0.01, 0.56)));
+  // What a prediction without numbers leaves is not known to be little.
+  EXPECT_TRUE(dynoproof::diagnosis::LeavesTheSignal(problem, missing(0.011, 0.01), missing(std::nan(""), 0.01)));
 }
 
 /// Records of white noise with variance 1, and linear models of them made by hand: what least squares does to them is
@@ -214,6 +216,8 @@ TEST(HoldOut, ANominalModelThatNeedsValuesBeyondTheirPriorsIsNoRival) {
 TEST(HoldOut, WhatIsNoNumberDoesNotGain) {
   EXPECT_FALSE(GainsOnHoldout({.before = 0.4, .released = 0.2, .after = std::nan("")}, 1.0));
   EXPECT_FALSE(GainsOnHoldout({.before = std::nan(""), .released = std::nan(""), .after = 0.2}, 1.0));
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.4, .released = std::nan(""), .after = 0.2}, 1.0));
+  EXPECT_FALSE(GainsOnHoldout({.before = 0.4, .released = 0.1, .after = 0.2}, std::nan("")));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace dynoproof::diagnosis {
 namespace {
 
@@ -79,6 +81,14 @@ TEST(VerdictTable, AnIntervalThatIncludesNothingNamesNothing) {
   EXPECT_THAT(VerdictOf(found).reason, HasSubstr("includes that there is none of it"));
   found.alike = 2;
   EXPECT_EQ(VerdictOf(found).verdict, Verdict::kUnexplained) << "nor does a set";
+}
+
+TEST(VerdictTable, ADeviationThatIsNoNumberIsBeyondThePrior) {
+  VerdictEvidence nothing, found = Found();
+  nothing.null_deviation = std::nan("");
+  found.deviation = std::nan("");
+  EXPECT_EQ(VerdictOf(nothing).verdict, Verdict::kUnexplained);
+  EXPECT_EQ(VerdictOf(found).verdict, Verdict::kUnexplained);
 }
 
 TEST(VerdictTable, NamesItsRow) {

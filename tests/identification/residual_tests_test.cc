@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 
+#include "identification/estimator.h"
 #include "identification/noise_model.h"
 #include "tests/identification/line_record.h"
 #include "tests/identification/lumped_line.h"
@@ -72,6 +76,16 @@ TEST(Structure, SaysWhichTestFoundSomething) {
   EXPECT_EQ(Structure{}.Text(), "");
 }
 
+TEST(Structure, OfASizeThatIsNoNumberIsTooLarge) {
+  constexpr double kNot = std::numeric_limits<double>::quiet_NaN();
+  Structure rings, floor, size;
+  rings.rings = floor.over_floor = kNot;
+  rings.size = floor.size = 0.1;
+  size.rings = 40.0;
+  size.size = kNot;
+  for (const Structure& one : {rings, floor, size}) EXPECT_TRUE(one.found());
+}
+
 TEST(ResidualTests, AreAbsentWhereNothingWasTested) {
   const ResidualTests none = TestsOf({Structure{}});
   EXPECT_FALSE(none.white());
@@ -128,6 +142,35 @@ TEST_F(ResidualStructure, NoiseOfAnyColourIsNone) {
   // Binomial with 60 trials at 5 %: 3 with a standard deviation of 1.7; the bounds are four of them.
   EXPECT_LE(follows, 9);
   EXPECT_LE(line, 9);
+}
+
+// One row without a number among thousands of white noise: nothing can be tested, and it does not pass as noise.
+TEST_F(ResidualStructure, ARowWithoutANumberIsNoNoise) {
+  for (const double no_number : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    std::mt19937 random(31);
+    Eigen::VectorXd residual = White(random, rows());
+    ASSERT_FALSE(In(residual).found());
+    residual[100] = no_number;
+    EXPECT_TRUE(In(residual).found());
+    EXPECT_FALSE(In(residual).tested);
+    EXPECT_NE(In(residual).Text(), "");
+  }
+}
+
+// The largest is asked for by std::max elsewhere, which passes over what is no number.
+TEST_F(ResidualStructure, ADeviationWithoutANumberIsTheLargest) {
+  Estimate fit;
+  for (std::size_t k = 0; k < problem_.nuisances().size(); ++k) {
+    fit.nuisances.free.push_back(static_cast<int>(k));
+    fit.nuisances.freedom.push_back(1.0);
+    fit.hypothesis.z.push_back(0.5);
+  }
+  EXPECT_EQ(LargestDeviation(problem_, fit), 0.5);
+  const auto first = std::find_if(problem_.nuisances().begin(), problem_.nuisances().end(),
+                                  [](const Nuisance& one) { return !one.start; });
+  ASSERT_NE(first, problem_.nuisances().end());
+  fit.hypothesis.z[static_cast<std::size_t>(first - problem_.nuisances().begin())] = std::nan("");
+  EXPECT_TRUE(std::isnan(LargestDeviation(problem_, fit)));
 }
 
 // A share of the variance that the torque explains, a tone, and motion that a model has missed altogether. On a third
