@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "base/text_safety.h"
 #include "scenario/find.h"
 #include "scenario/nesting.h"
 
@@ -24,12 +25,21 @@ SourceSpan Span(const toml::source_region& source, const std::string& file) {
   return span;
 }
 
+/// Names go into messages, traces, tables and file names: one with a line end could write what looks like another line.
+bool CheckKey(std::string_view key, const SourceSpan& where, Diagnostics& diagnostics) {
+  if (WithoutControls(key) == key) return true;
+  diagnostics.Error(where, fmt::format("the key {} has control characters", Shown(key)),
+                    "letters, digits and underscores");
+  return false;
+}
+
 Value Convert(const toml::node& node, const std::string& file, Diagnostics& diagnostics) {
   Value value;
   if (const toml::table* table = node.as_table()) {
     for (const auto& [key, child] : *table) {
       SourceSpan where = Span(key.source(), file);
       where.length = static_cast<int>(key.str().size());
+      if (!CheckKey(key.str(), where, diagnostics)) continue;
       value.table().push_back({std::string(key.str()), Convert(child, file, diagnostics), where});
     }
     // toml++ keeps tables in the order of their keys; a scenario reads in the order of writing.
@@ -211,6 +221,7 @@ void Override(Value& root, const std::string& text, int number, Diagnostics& dia
     diagnostics.Error(where, fmt::format("\"{}\" is no override", text), "write --set path.to.key=value");
     return;
   }
+  if (!CheckKey(path, where, diagnostics)) return;
   if (std::ranges::count(path, '.') >= kMostLevels || LineTooDeep("v = " + text.substr(equals + 1))) {
     diagnostics.Error(where, fmt::format("more than {} tables and lists would lie in one another", kMostLevels),
                       "write --set path.to.key=value");

@@ -184,6 +184,26 @@ TEST(Messages, HoldNothingThatATerminalObeys) {
   EXPECT_NE(shown.find("\xc2\xb5\xe2\x82\xac\t\n"), std::string::npos) << "letters stay as they are";
 }
 
+// "output.a" and, in a line of its own, "other.toml:1:1: error: forged: ..." was the message of such a key.
+TEST(Messages, AreNotWrittenByKeys) {
+  for (const char* const key : {"a\\nother.toml:1:1: error: forged", "a\\tb", "\\u0000", "\\u001b[2J", "\\u202e"}) {
+    Diagnostics diagnostics;
+    const test::TempDir folder;
+    const std::string text = std::string("[output.\"") + key + "\"]\nof = \"plant.x\"\n";
+    LoadPlan(folder.Write("a.toml", text).string(), {}, diagnostics);
+    ASSERT_TRUE(diagnostics.has_errors()) << key;
+    EXPECT_NE(diagnostics.items()[0].message.find("has control characters"), std::string::npos) << key;
+    EXPECT_EQ(diagnostics.items()[0].message.find('\n'), std::string::npos) << key;
+  }
+  Diagnostics diagnostics;
+  const test::TempDir folder;
+  LoadPlan(folder.Write("a.toml", "[output]\n").string(), {"output.a\nforged=1"}, diagnostics);
+  EXPECT_TRUE(diagnostics.has_errors());
+  Diagnostics none;
+  LoadPlan(folder.Write("b.toml", "[output.\"caf\u00e9 b\"]\n").string(), {}, none);
+  EXPECT_EQ(none.Format(), "");
+}
+
 TEST(Override, KeepsTheKindOfTheOldValue) {
   const Value root = Load("x = 2.0\nn = 3\nword = \"a\"\nflag = true\n", {"x=5", "n=7", "word=b c", "flag=false"});
   EXPECT_FALSE(root.Find("x")->is_integer()) << "2 for 2.0 is a number with a fraction";
