@@ -70,6 +70,17 @@ class Hdf5File {
     Attribute(object, name, type, type, {}, variable ? static_cast<const void*>(&bytes) : bytes);
     H5Tclose(type);
   }
+  /// Several texts in one attribute, each cut to 8 bytes; no text at all is an empty one.
+  void Texts(const char* object, const char* name, const std::vector<std::string>& texts) {
+    constexpr std::size_t kSize = 8;
+    std::string bytes;
+    for (const std::string& text : texts) bytes += (text + std::string(kSize, '\0')).substr(0, kSize);
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, kSize);
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
+    Attribute(object, name, type, type, {texts.size()}, bytes.data());
+    H5Tclose(type);
+  }
   void Number(const char* object, const char* name, std::vector<double> values, hid_t type = H5T_IEEE_F64LE) {
     Attribute(object, name, type, H5T_NATIVE_DOUBLE,
               values.size() == 1 ? std::vector<hsize_t>{} : std::vector<hsize_t>{values.size()}, values.data());

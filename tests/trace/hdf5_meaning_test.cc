@@ -134,6 +134,31 @@ TEST_F(Meaning, BothSpellingsOfTheUnit) {
   }
 }
 
+// One of several units, or a number for one, was passed over: kN m were read as N m.
+TEST_F(Meaning, AUnitThatIsNotOneTextIsRefusedUnlessTheCallerKnows) {
+  const std::vector<std::function<void(Hdf5File&)>> faults = {[](Hdf5File& f) {
+                                                                f.Texts(kX, "unit", {"kN m", "rad/s"});
+                                                              },
+                                                              [](Hdf5File& f) { f.Number(kX, "Units", {3}); },
+                                                              [](Hdf5File& f) {
+                                                                f.Number(kX, "units", {3, 4}, H5T_STD_I32LE);
+                                                              }};
+  for (const auto& add : faults) {
+    for (const bool as_trace : {true, false}) {
+      const Result<Record> record = Read({1, 2, 3, 4}, H5T_IEEE_F64LE, add, as_trace);
+      ASSERT_FALSE(record.ok());
+      EXPECT_EQ(record.failure().exit_code, 2);
+      EXPECT_THAT(record.failure().message, AllOf(HasSubstr("/signals/x"), HasSubstr("is not one text")));
+    }
+    EXPECT_TRUE(Read({1, 2, 3, 4}, H5T_IEEE_F64LE, add, false, {"/signals/x"}).ok());
+  }
+  for (const std::vector<std::string>& texts : {std::vector<std::string>{}, {"kN m"}}) {
+    const Result<Record> record = Read({1, 2, 3, 4}, H5T_IEEE_F64LE, [&](Hdf5File& f) { f.Texts(kX, "unit", texts); });
+    ASSERT_TRUE(record.ok()) << record.failure().message;
+    EXPECT_EQ(record->columns[*record->Find("x")].unit, texts.empty() ? "" : "kN m");
+  }
+}
+
 TEST_F(Meaning, AScalingThatIsNotTheSameEverywhereIsRefusedByName) {
   for (const char* name :
        {"scale", "Scale", "offset", "gain", "Gain", "calibration", "calibration_factor", "conversion", "slope",
