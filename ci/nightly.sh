@@ -20,6 +20,7 @@ suite() {  # suite FOLDER CMAKE_OPTIONS
 step setup ./ci/setup.sh
 step gcc-O2 suite build ""
 step sanitize suite build-sanitize "-DDYNOPROOF_SANITIZE=FULL -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1"
+step cut-runs ./ci/cut_runs.sh build-sanitize/dynoproof
 step gcc-O3 suite build-O3 "-DCMAKE_CXX_FLAGS_RELEASE=-O3"
 step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=-O2"
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
