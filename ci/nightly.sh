@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The long campaigns: the whole suite under the sanitizers, with clang++, at -O2 and -O3, with and without FMA; clang-tidy
 # over everything; margins of all checks and their spread over the builds; the benchmarks beside their peers. Results go to
-# out/nightly/. Needs clang, valgrind; SciPy and Octave take part where they are installed.
+# out/nightly/. Needs clang, valgrind, gcovr; SciPy and Octave take part where they are installed.
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit
 mkdir -p out/nightly
@@ -25,6 +25,7 @@ step gcc-O3 suite build-O3 "-DCMAKE_CXX_FLAGS_RELEASE=-O3"
 step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=-O2"
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
 step tidy ./ci/presubmit.sh --all
+DYNOPROOF_COVERAGE=out/nightly/coverage.json step coverage ./ci/coverage.sh
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html
 step package ./ci/check_package.sh build
 step harness-only ./ci/harness_only.sh

@@ -18,6 +18,7 @@ constexpr double kInstructions = 0.01;  // exact counts: one per cent, as bench/
 constexpr double kOfLimit = 0.05;       // a score: a twentieth of its limit
 constexpr double kFigure = 1e-3;        // a figure: a thousandth of itself
 constexpr double kCounter = 0.05;       // a solver's counter: a twentieth of itself
+constexpr double kCoverage = 0.5;       // a share of lines: half a point
 
 std::optional<double> ValueOf(const json& entry, const char* key) {
   const auto found = entry.find(key);
@@ -63,6 +64,32 @@ void AddBench(const json& scenario, std::vector<Reading>& readings) {
                       Sense::kMoreIsBetter, kTime});
   readings.push_back(
       {"bench/" + id + "/heap_growth", ValueOf(scenario, "heap_growth_bytes"), "B", false, Sense::kLessIsBetter, 0.0});
+}
+
+/// The summary of gcovr: the lines that tests pass through, of each folder below the first one and of all.
+void AddCoverage(const json& files, std::vector<Reading>& readings) {
+  struct Lines {
+    double covered = 0.0, total = 0.0;
+    bool known = true;  // both numbers of every file are counts, and no more is covered than there is
+  };
+  std::map<std::string, Lines> folders;
+  for (const json& file : files) {
+    const std::string path = file.at("filename");
+    const auto covered = ValueOf(file, "line_covered"), total = ValueOf(file, "line_total");
+    const auto first = path.find('/'), second = first == path.npos ? first : path.find('/', first + 1);
+    for (const std::string& name : {std::string("all"), path.substr(0, second)}) {
+      Lines& lines = folders[name];
+      lines.known = lines.known && covered && total && *covered >= 0.0 && *covered <= *total;
+      lines.covered += covered.value_or(0.0);
+      lines.total += total.value_or(0.0);
+    }
+  }
+  for (const auto& [name, lines] : folders) {
+    const bool measured = lines.known && lines.total > 0.0;
+    readings.push_back({"coverage/" + name,
+                        measured ? std::optional(100.0 * lines.covered / lines.total) : std::nullopt, "%", false,
+                        Sense::kMoreIsBetter, kCoverage});
+  }
 }
 
 /// Nanoseconds of a unit of time; nothing for any other.
@@ -155,6 +182,8 @@ Result<std::vector<Reading>> Readings(const json& document) {
       for (const json& budget : document) AddBudget(budget, readings);
     } else if (document.contains("benchmarks")) {
       AddGoogle(document.at("benchmarks"), readings);
+    } else if (document.contains("gcovr/summary_format_version")) {
+      AddCoverage(document.at("files"), readings);
     } else if (document.contains("scenarios")) {
       for (const json& scenario : document.at("scenarios")) {
         scenario.contains("quantiles_us") ? AddBench(scenario, readings) : AddRun(scenario, readings);
@@ -164,9 +193,10 @@ Result<std::vector<Reading>> Readings(const json& document) {
     return Failure{.message = std::string("not a result that history knows: ") + fault.what(), .exit_code = 2};
   }
   if (readings.empty()) {
-    return Failure{
-        .message = "no reading in it: expected the JSON of run, bench, ci/check_budgets.py or Google Benchmark",
-        .exit_code = 2};
+    return Failure{.message =
+                       "no reading in it: expected the JSON of run, bench, ci/check_budgets.py, ci/coverage.sh or "
+                       "Google Benchmark",
+                   .exit_code = 2};
   }
   return readings;
 }

@@ -23,8 +23,8 @@ struct Reading {
   double relevant = 0.0;
 };
 
-/// The readings of one document: that of `run`, of `bench`, of ci/check_budgets.py, of bench/robustness, of a Google
-/// Benchmark program. Times come in ns, whatever unit a foreign program chose. Fails (exit code 2) on any other, naming
+/// The readings of one document: that of `run`, of `bench`, of ci/check_budgets.py, of bench/robustness, of
+/// ci/coverage.sh (gcovr's summary), of a Google Benchmark program. Times come in ns, whatever unit a foreign program chose. Fails (exit code 2) on any other, naming
 /// what was expected.
 Result<std::vector<Reading>> Readings(const nlohmann::json& document);
 

@@ -11,7 +11,9 @@ Finding::Kind KindOf(Sense sense, double before, double after) {
   return (after > before) == (sense == Sense::kLessIsBetter) ? Finding::Kind::kWorse : Finding::Kind::kBetter;
 }
 
-bool IsTiming(const std::string& series) { return !series.starts_with("score/") && !series.starts_with("figure/"); }
+bool IsTiming(const std::string& series) {
+  return !series.starts_with("score/") && !series.starts_with("figure/") && !series.starts_with("coverage/");
+}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "history/watch.h"
@@ -26,6 +27,50 @@ std::vector<Reading> Read(const json& document) {
   const Result<std::vector<Reading>> readings = Readings(document);
   EXPECT_TRUE(readings.ok()) << readings.failure().message;
   return *readings;
+}
+
+json Covered(const std::string& file, const json& covered, const json& total) {
+  return {{"filename", file}, {"line_covered", covered}, {"line_total", total}};
+}
+
+json Gcovr(const std::vector<json>& files) { return {{"gcovr/summary_format_version", "0.5"}, {"files", files}}; }
+
+TEST(CoverageReadings, AreSharesOfTheLinesOfEachFolderAndOfAll) {
+  std::map<std::string, Reading> readings;
+  for (const Reading& reading :
+       Read(Gcovr({Covered("engine/trace/csv.cc", 30, 40), Covered("engine/trace/deep/a.cc", 10, 10),
+                   Covered("engine/sim/rig.cc", 0, 50)})))
+    readings[reading.series] = reading;
+  ASSERT_THAT(readings, SizeIs(3));
+  EXPECT_EQ(readings["coverage/engine/trace"].value, 80.0);
+  EXPECT_EQ(readings["coverage/engine/sim"].value, 0.0);
+  EXPECT_EQ(readings["coverage/all"].value, 40.0);
+  EXPECT_EQ(readings["coverage/all"].sense, Sense::kMoreIsBetter);
+  EXPECT_FALSE(readings["coverage/all"].scatters);
+}
+
+TEST(CoverageReadings, OfNoLinesOrOfNoCountsHaveNoValue) {
+  for (const json& file : {Covered("engine/trace/a.cc", 0, 0), Covered("engine/trace/a.cc", nullptr, 3),
+                           Covered("engine/trace/a.cc", 4, 3), Covered("engine/trace/a.cc", -1, 3)}) {
+    for (const Reading& reading : Read(Gcovr({file}))) EXPECT_FALSE(reading.value) << file;
+  }
+  EXPECT_FALSE(Readings(Gcovr({})).ok()) << "no file at all";
+}
+
+/// Less than before, by more than half a point: no matter of time (5), but of what is checked (1).
+TEST(CoverageReadings, ThatFallAreAFinding) {
+  History history;
+  history.nights.resize(3);
+  Series series;
+  series.name = "coverage/all";
+  series.sense = Sense::kMoreIsBetter;
+  series.relevant = Read(Gcovr({Covered("engine/sim/a.cc", 9, 10)}))[0].relevant;
+  series.nights = {0, 1, 2};
+  series.values = {90.0, 89.8, 89.8};
+  history.series = {series};
+  EXPECT_EQ(Look(history, {}).exit_code, 0);
+  history.series[0].values = {90.0, 90.0, 89.0};
+  EXPECT_EQ(Look(history, {}).exit_code, 1);
 }
 
 TEST(GoogleReadings, OfWhatFailedOrWasSkippedHaveNoValue) {
