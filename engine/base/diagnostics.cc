@@ -56,6 +56,17 @@ void Diagnostics::Append(const Diagnostics& other) {
   for (const auto& [file, lines] : other.sources_) sources_[file] = lines;
 }
 
+namespace {
+
+/// Lines behind the first one stand further in: a line end in a text of the file begins no line that looks like a message.
+std::string Hanging(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '\n' ? std::string("\n        ") : std::string(1, c);
+  return result;
+}
+
+}  // namespace
+
 std::string Diagnostics::Format(bool colour) const {
   std::vector<std::size_t> order(items_.size());
   std::iota(order.begin(), order.end(), 0);
@@ -72,16 +83,17 @@ std::string Diagnostics::Format(bool colour) const {
     const Diagnostic& item = items_[index];
     const bool error = item.severity == Diagnostic::Severity::kError;
     if (item.where.known()) {
-      text += fmt::format("{}:{}:{}: ", AsMessage(item.where.file), item.where.line, item.where.column);
+      text += fmt::format("{}:{}:{}: ", Hanging(AsMessage(item.where.file)), item.where.line, item.where.column);
     } else if (!item.where.file.empty()) {
-      text += AsMessage(item.where.file) + ": ";
+      text += Hanging(AsMessage(item.where.file)) + ": ";
     }
-    text += paint(error ? "1;31" : "1;33", error ? "error" : "warning") + ": " + AsMessage(item.message) + "\n";
+    text +=
+        paint(error ? "1;31" : "1;33", error ? "error" : "warning") + ": " + Hanging(AsMessage(item.message)) + "\n";
     const auto source = sources_.find(item.where.file);
     const bool quoted =
         item.where.known() && source != sources_.end() && item.where.line <= static_cast<int>(source->second.size());
-    const std::string tail =
-        AsMessage(item.hint + (item.more.empty() ? "" : (item.hint.empty() ? "" : "   ") + ("more: " + item.more)));
+    const std::string tail = Hanging(
+        AsMessage(item.hint + (item.more.empty() ? "" : (item.hint.empty() ? "" : "   ") + ("more: " + item.more))));
     if (quoted) {
       const std::string& line = source->second[item.where.line - 1];
       text += fmt::format("{:>5} | {}\n", item.where.line, AsMessage(line));

@@ -204,6 +204,18 @@ TEST(Messages, AreNotWrittenByKeys) {
   EXPECT_EQ(none.Format(), "");
 }
 
+TEST(Messages, AreNotWrittenByTexts) {
+  Diagnostics diagnostics;
+  const test::TempDir folder;
+  const std::string forged = "x\\nother.toml:1:1: error: forged";
+  LoadPlan(folder.Write("a.toml", "include = [\"" + forged + "\"]\n").string(), {}, diagnostics);
+  const SourceSpan where{"a\nother.toml:1:1: error: forged", 1, 1, 1};
+  diagnostics.Error(where, "seen\nother.toml:1:1: error: forged", "hint\nother.toml:1:1: error: forged");
+  const std::string shown = diagnostics.Format();
+  EXPECT_NE(shown.find("other.toml:1:1: error: forged"), std::string::npos) << "it is told all the same";
+  EXPECT_EQ(shown.find("\nother.toml"), std::string::npos) << shown;
+}
+
 TEST(Override, KeepsTheKindOfTheOldValue) {
   const Value root = Load("x = 2.0\nn = 3\nword = \"a\"\nflag = true\n", {"x=5", "n=7", "word=b c", "flag=false"});
   EXPECT_FALSE(root.Find("x")->is_integer()) << "2 for 2.0 is a number with a fraction";
