@@ -11,13 +11,6 @@
 #include "base/text_safety.h"
 
 namespace dynoproof {
-namespace {
-
-/// Names come from files, and a file must not write what looks like another message. Ends of lines and tabs stay.
-std::string AsMessage(std::string_view text) { return WithoutControls(text, "\n\t"); }
-
-}  // namespace
-
 void Diagnostics::AddSource(const std::string& file, const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);

@@ -15,6 +15,7 @@ struct Failure {
   std::optional<double> time_s = {};
   int exit_code = 3;  // of the contract: 3 a run broke, 2 bad usage, scenario or data
 
+  /// All of it as a sentence that can be shown and stored (base/text_safety.h).
   std::string ToString() const;
 };
 

@@ -93,6 +93,8 @@ std::string WithoutControls(std::string_view text, std::string_view kept) {
   return result;
 }
 
+std::string AsMessage(std::string_view text) { return WithoutControls(ToUtf8(text), "\n\t"); }
+
 std::string Shown(std::string_view text) {
   constexpr std::size_t kMost = 40;
   const std::string whole = ToUtf8(text.substr(0, 8 * kMost));  // no character has more than 4 bytes

@@ -15,6 +15,10 @@ std::string ToUtf8(std::string_view text);
 /// Those in `kept` stay.
 std::string WithoutControls(std::string_view text, std::string_view kept = "");
 
+/// `text` as a message: UTF-8, without controls but ends of lines and tabs. Names in it come from files, and a file must
+/// not write what looks like another message.
+std::string AsMessage(std::string_view text);
+
 /// `text` in quotes for a message: UTF-8, at most 40 characters, nothing a terminal obeys.
 std::string Shown(std::string_view text);
 

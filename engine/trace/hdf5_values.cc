@@ -55,8 +55,10 @@ bool BelongsTo(hid_t dataset, bool chunked, hsize_t piece, haddr_t begin, hsize_
   return true;
 }
 
-/// What is wrong with one piece; "" if nothing is, or if there are too many to look.
-std::string FaultOfPiece(hid_t dataset, hsize_t number, const std::vector<hsize_t>& at, hsize_t bytes, hsize_t count) {
+/// What is wrong with one piece; "" if nothing is, or if there are too many to look. `bytes`: of its numbers;
+/// `filtered`: it may be packed.
+std::string FaultOfPiece(hid_t dataset, hsize_t number, const std::vector<hsize_t>& at, hsize_t bytes, bool filtered,
+                         hsize_t count) {
   constexpr hsize_t kMostSearched = 4096;  // the library goes through all pieces for each
   if (count > kMostSearched) return "";
   hsize_t file_size = 0, size = 0;
@@ -71,6 +73,11 @@ std::string FaultOfPiece(hid_t dataset, hsize_t number, const std::vector<hsize_
   if (skipped != 0 && size < bytes)
     return fmt::format("has a piece at [{}] of {} bytes, stored as it is, which would need {}", fmt::join(at, ", "),
                        size, bytes);
+  // Where the word of a filter is damaged, packed bytes would be taken for numbers.
+  if (!filtered && size != bytes)
+    return fmt::format(
+        "has a piece at [{}] of {} bytes where its numbers have {}, and nothing says that they are packed",
+        fmt::join(at, ", "), size, bytes);
   if (!BelongsTo(dataset, true, number, place, size))
     return fmt::format("has a piece at [{}] in the bytes of another", fmt::join(at, ", "));
   return "";
@@ -101,12 +108,12 @@ std::string FaultOfChunks(hid_t dataset, hid_t space, hid_t plist, std::size_t i
   std::vector<char> scratch(filtered ? 0 : bytes);
   std::vector<hsize_t> at(shape.size(), 0);
   for (hsize_t k = 0; k < wanted; ++k) {
+    if (std::string fault = FaultOfPiece(dataset, k, at, bytes, filtered, wanted); !fault.empty()) return fault;
     hsize_t size = 0;
     std::uint32_t skipped = 0;
     const bool found = filtered ? H5Dget_chunk_storage_size(dataset, at.data(), &size) >= 0 && size > 0
                                 : H5Dread_chunk(dataset, H5P_DEFAULT, at.data(), &skipped, scratch.data()) >= 0;
     if (!found) return fmt::format("is incomplete: its piece at [{}] is not in the file", fmt::join(at, ", "));
-    if (std::string fault = FaultOfPiece(dataset, k, at, bytes, wanted); !fault.empty()) return fault;
     for (std::size_t i = at.size(); i-- > 0;) {
       at[i] += chunk[i];
       if (at[i] < shape[i]) break;

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text_safety.h"
+
 namespace dynoproof::trace::mat {
 namespace {
 
@@ -173,6 +175,7 @@ bool ReadName(Parts& parts, Matrix& matrix) {
   if (!name) return false;
   matrix.name.assign(name->bytes.begin(), name->bytes.end());
   matrix.name.erase(matrix.name.find_last_not_of('\0') + 1);  // some writers count what fills it up
+  matrix.name = ToUtf8(matrix.name);
   return std::ranges::none_of(matrix.name, [](char c) { return static_cast<unsigned char>(c) < ' '; }) ||
          parts.Fail("its name is no text");
 }

@@ -39,6 +39,19 @@ Result<std::string> TextOf(hid_t object, const std::string& name) {
 
 bool Has(hid_t object, const char* attribute) { return H5Aexists(object, attribute) > 0; }
 
+/// Whether numbers are stored as their class in MATLAB is. Nothing else in such a file vouches for the description of
+/// a type, and a changed bit in it makes whole numbers out of the bits of others.
+bool IsOfClass(hid_t type, const std::string& class_name) {
+  const bool is_float = H5Tget_class(type) == H5T_FLOAT;
+  const std::size_t bits = 8 * H5Tget_size(type);
+  if (class_name == "double") return is_float && bits == 64;
+  if (class_name == "single") return is_float && bits == 32;
+  if (is_float) return false;
+  if (class_name == "logical") return bits == 8;  // others than MATLAB write it with a sign
+  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
+  return class_name == fmt::format("{}int{}", is_signed ? "" : "u", bits);
+}
+
 /// Why a dataset is no column; "" if it may be one.
 Result<std::string> WhyNot(hid_t dataset) {
   const Result<std::string> class_name = TextOf(dataset, "MATLAB_class");
@@ -60,6 +73,8 @@ Result<std::string> WhyNot(hid_t dataset) {
   switch (H5Tget_class(type.id())) {
     case H5T_INTEGER:
     case H5T_FLOAT:
+      if (!class_name->empty() && !IsOfClass(type.id(), *class_name))
+        return Bad(fmt::format("its numbers are not stored as the class \"{}\" is, which it names", *class_name));
       return std::string();
     case H5T_STRING:
       return std::string(kIsText);

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text_safety.h"
+
 namespace dynoproof::trace::mat {
 namespace {
 
@@ -31,10 +33,13 @@ class View {
   /// A text, without what fills it up.
   std::string Text(std::size_t item) const {
     std::string text;
-    for (std::size_t i = 0; i < length(); ++i) text += static_cast<char>(static_cast<unsigned char>(At(item, i)));
+    for (std::size_t i = 0; i < length(); ++i) {
+      const double code = At(item, i);  // a text may be stored as any numbers
+      text += code >= 0.0 && code < 256.0 ? static_cast<char>(static_cast<unsigned char>(code)) : '?';
+    }
     text.erase(std::min(text.find('\0'), text.size()));
     text.erase(text.find_last_not_of(' ') + 1);
-    return text;
+    return ToUtf8(text);
   }
 
  private:

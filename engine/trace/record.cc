@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text_safety.h"
+
 namespace dynoproof::trace {
 
 std::optional<std::size_t> Record::Find(std::string_view name) const {
@@ -39,6 +41,14 @@ std::vector<std::string> Record::DescribeNonFinite() const {
 bool IsTimeName(std::string_view name) { return name == "t" || name == "time"; }
 
 void FinishRecord(Record& record) {
+  const auto mend = [](std::string& text) { text = WithoutControls(ToUtf8(text)); };
+  for (Column& column : record.columns) {
+    mend(column.name);
+    mend(column.unit);
+    mend(column.heading);
+  }
+  for (auto& [name, why] : record.left_out) mend(name), mend(why);
+  for (std::string& note : record.notes) note = AsMessage(note);
   for (std::size_t i = 0; i < record.columns.size(); ++i) {
     if (!IsTimeName(record.columns[i].name)) continue;
     if (!record.time) {

@@ -53,7 +53,8 @@ struct Record {
 bool IsTimeName(std::string_view name);
 
 /// Makes the first column that IsTimeName() the time column of the record and of every column of its length that has
-/// none; fills `non_finite`, keeping the line numbers of entries that are there already. Readers call it last.
+/// none; fills `non_finite`, keeping the line numbers of entries that are there already. Names, units and notes become
+/// UTF-8 without controls, whatever bytes the file has there. Readers call it last.
 void FinishRecord(Record& record);
 
 /// A trace seen as a record: column `time`, `time_1`, ..., and one column a signal.

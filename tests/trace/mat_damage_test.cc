@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/temp_dir.h"
 #include "tests/trace/mat_bytes.h"
 #include "trace/mat.h"
@@ -16,6 +18,7 @@ using test::Matrix4;
 using test::Packed5;
 using test::Plain5;
 using test::Raw;
+using test::Text4;
 using test::Variable5;
 using test::Wave;
 using test::Words;
@@ -180,6 +183,41 @@ TEST_F(Damage, ShortPartsAndFewerBytesANumberAreRead) {
   ASSERT_TRUE(record.ok()) << record.failure().ToString();
   ASSERT_EQ(record->Names(), std::vector<std::string>{"x"});
   EXPECT_THAT(record->columns[0].values, ::testing::ElementsAre(1, 2, 3, 40000, 5));
+}
+
+TEST_F(Damage, ANameOfAnyBytesCanBeShown) {
+  const std::string latin1 =
+      "Dr\xfc"
+      "ck";
+  const std::string packed = Header5() + Packed5(Plain5(Doubles5(latin1, Wave(8))));
+  const std::string v4 = Matrix4(0, 8, 1, latin1, Raw(Wave(8)));
+  for (const std::string& bytes : {packed, v4}) {
+    const Result<Record> record = Read(bytes);
+    ASSERT_TRUE(record.ok()) << record.failure().ToString();
+    EXPECT_EQ(record->Names(), std::vector<std::string>{"Drück"});
+  }
+  Variable5 few = Doubles5(latin1, Wave(8));
+  few.extents = {50, 1};
+  EXPECT_THAT(Fault(Header5() + Plain5(few)), HasSubstr("Drück"));
+  few.extents = {8, 1};
+  few.class_type = 4;
+  few.data_type = 4;
+  few.data = std::string(16, 'a');
+  EXPECT_THAT(Fault(Header5() + Plain5(few)), HasSubstr("variable \"Drück\" is text"));
+}
+
+TEST_F(Damage, TheTextsOfAResultMayBeAnyNumbers) {
+  // The same texts as doubles, one of them no letter.
+  std::vector<double> letters = {'t', 'i', 'm', 'e', 1e300, std::nan(""), -1.0, 0.0};
+  const auto with = [&](const std::string& name) {
+    return Text4("Aclass", {"Atrajectory", "1.1", "", "binTrans"}, false) + name +
+           Matrix4(20, 4, 2, "dataInfo", Raw(std::vector<std::int32_t>{0, 1, 0, -1, 2, 2, 0, -1})) +
+           Matrix4(0, 1, 2, "data_1", Raw(std::vector<double>{0, 1})) +
+           Matrix4(0, 2, 3, "data_2", Raw(std::vector<double>{0, 0.5, 1, 1, 2, 3}));
+  };
+  const Result<Record> record = Read(with(Matrix4(1, 4, 2, "name", Raw(letters))));
+  ASSERT_TRUE(record.ok()) << record.failure().ToString();
+  EXPECT_EQ(record->Names(), (std::vector<std::string>{"time", "???"}));
 }
 
 TEST_F(Damage, TheOtherByteOrderIsRead) {
