@@ -40,7 +40,7 @@ class Differences {
   /// What the states become after one period, and the outputs before it.
   Result<std::pair<VectorXd, VectorXd>> After(const Frame& frame, const std::vector<int>& outputs) {
     Frame now = frame;
-    run_.solver->Evaluate(now, Seconds(now.time));
+    run_.solver->Evaluate(now, run_.rig->SecondsOf(now.time));
     VectorXd seen(std::ssize(outputs));
     for (Index j = 0; j < seen.size(); ++j) {
       const int signal = run_.rig->outputs[static_cast<std::size_t>(outputs[static_cast<std::size_t>(j)])].signal;
@@ -235,7 +235,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   Result<BuiltRun> run = BuildRun(plan, record, registry);
   if (!run.ok()) return run.failure();
   LinearModel model;
-  model.period_s = Seconds(run->rig->period);
+  model.period_s = run->rig->SecondsOf(run->rig->period);
   for (const Port& port : run->rig->state_ports) model.states.push_back(port.name);
   for (const auto& [name, series] : record.outputs) model.outputs.push_back(name);
   const std::vector<int> outputs = OutputsOf(*run->rig, model.outputs);

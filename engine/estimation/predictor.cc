@@ -84,7 +84,7 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
   const FlushSubnormals flush;
   const Rig& rig = *run.rig;
   const MappedRecord& record = data_->records()[r];
-  const double period_s = Seconds(rig.period);
+  const double period_s = rig.SecondsOf(rig.period);
   const std::size_t count = model_->outputs.size();
   std::vector<std::size_t> lines;
   std::vector<std::vector<double>> measured, predicted;

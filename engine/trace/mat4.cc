@@ -69,7 +69,7 @@ Content ReadMat4(std::istream& file, std::uint64_t size) {
         !file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
       return fault("cannot be read");
     if (name.back() != '\0' || name.find('\0') != name.size() - 1) return fault("has a name that does not end");
-    name = ToUtf8(name.substr(0, name.size() - 1));
+    name = WithoutControls(ToUtf8(name.substr(0, name.size() - 1)));
     Matrix matrix{.name = std::move(name), .extents = {rows, columns}, .is_text = type->kind == 1};
     matrix.why_not = type->kind == 1 ? kIsText : type->kind == 2 ? kIsSparse : complex == 1 ? kIsComplex : "";
     if (matrix.why_not.empty() || matrix.is_text) matrix.values = ToDoubles(type->number, bytes, type->swapped);

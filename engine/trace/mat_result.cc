@@ -39,7 +39,7 @@ class View {
     }
     text.erase(std::min(text.find('\0'), text.size()));
     text.erase(text.find_last_not_of(' ') + 1);
-    return ToUtf8(text);
+    return WithoutControls(ToUtf8(text));
   }
 
  private:

@@ -120,7 +120,8 @@ TEST(ModesOfAClutch, AreThoseOfTheLineWithItOpen) {
   const Bench bench;
   const double w = std::sqrt(1e4 * (1.0 / 1.0 + 1.0 / 0.5)) / (2.0 * M_PI);
   for (const char* law : {"law = \"coulomb\"\nT_c_Nm = 8.0", "law = \"dahl\"\nF_c_Nm = 8.0\nsigma_Nm_per_rad = 100.0",
-                          "law = \"stribeck\"\nT_c_Nm = 6.0\nT_s_Nm = 8.0\nw_s_rad_per_s = 1.0"}) {
+                          "law = \"stribeck\"\nT_c_Nm = 6.0\nT_s_Nm = 8.0\nw_s_rad_per_s = 1.0",
+                          "law = \"cubic_spring\"\nstiffness_Nm_per_rad = 0.0\nk3_Nm_per_rad3 = 1e6"}) {
     bench.Write("clutch.toml", Clutch(law));
     for (const char* output : {"Tc", "w3"}) {
       const std::string chosen = std::string("analysis.output=") + output;

@@ -196,6 +196,7 @@ TEST_F(Damage, ANameOfAnyBytesCanBeShown) {
     ASSERT_TRUE(record.ok()) << record.failure().ToString();
     EXPECT_EQ(record->Names(), std::vector<std::string>{"Drück"});
   }
+  EXPECT_THAT(Read(Matrix4(0, 8, 1, "x\n\x1b[2J", Raw(Wave(8))))->Names(), ::testing::ElementsAre("x\\x0a\\x1b[2J"));
   Variable5 few = Doubles5(latin1, Wave(8));
   few.extents = {50, 1};
   EXPECT_THAT(Fault(Header5() + Plain5(few)), HasSubstr("Drück"));
