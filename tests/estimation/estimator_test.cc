@@ -94,18 +94,18 @@ TEST(Estimator, FindsAStiffnessOfALineFarOff) {
     ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k2", truth, 100), 0.0, truth, 0.01, 0.002, 1000);
 }
 
-TEST(Estimator, SlowFindsFrictionOfALine) {
+TEST(SlowEstimator, FindsFrictionOfALine) {
   ExpectTruth(Hidden(FourMasses(1.2), "coulomb_friction", "inertia:I4", 8.0, 101), 1.0, 8.0, 0.4, 0.2, 1000);
 }
 
-TEST(Estimator, SlowFindsAStiffnessOfASoftRotorFarOff) {
+TEST(SlowEstimator, FindsAStiffnessOfASoftRotorFarOff) {
   const Plan plan = Scenario("scenarios/diagnose/r2r_soft.toml", {"run.duration_s=2"});
   for (const double truth : {-0.12, -0.25})
     ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k3", truth, 102), 0.0, truth, 0.01, 0.002, 300);
   ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k4", -0.12, 103), 0.0, -0.12, 0.012, 0.003, 300);
 }
 
-TEST(Estimator, SlowFindsFrictionOfASoftRotor) {
+TEST(SlowEstimator, FindsFrictionOfASoftRotor) {
   const Plan plan = Reversing();
   ExpectTruth(Hidden(plan, "coulomb_friction", "inertia:I5", 10.0, 106), 1.0, 10.0, 0.5, 0.2, 1500);
 }

@@ -102,7 +102,7 @@ TEST(Landscape, AFrictionAtAWrongPlaceExplainsNothingCorrectedAndMuchInTheFreeRu
   }
 }
 
-TEST(Landscape, SlowOnASoftRotorAWrongPlaceOfFrictionExplainsNearlyAllInTheFreeRun) {
+TEST(SlowLandscape, OnASoftRotorAWrongPlaceOfFrictionExplainsNearlyAllInTheFreeRun) {
   const Plan plan = Reversing();
   const Landscape landscape(plan, Finely(WithEffect(plan, "coulomb_friction", "inertia:I5", {10.0})),
                             {"T_shaft", "omega_1"});

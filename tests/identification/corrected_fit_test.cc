@@ -48,7 +48,7 @@ std::pair<int, int> Hits(const Identified& found, const Plan& truth, double shar
   return {near, inside};
 }
 
-TEST(CorrectedFit, FindsSixNumbersOffByHalf) {
+TEST(SlowCorrectedFit, FindsSixNumbersOffByHalf) {
   int all_inside = 0;
   for (const std::uint64_t seed : {4U, 5U, 6U}) {
     const FarOff line(1.5, seed);
@@ -67,7 +67,7 @@ TEST(CorrectedFit, FindsSixNumbersOffByHalf) {
   EXPECT_GE(all_inside, 15);  // of 18 at 95 %: fewer in one of two hundred
 }
 
-TEST(CorrectedFit, SlowFindsThemWhereTheFreeRunEndsInAnotherMinimum) {
+TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
   int corrected = 0, free_run = 0;
   for (const std::uint64_t seed : {2U, 4U, 6U}) {
     const FarOff line(2.0, seed);
@@ -82,7 +82,7 @@ TEST(CorrectedFit, SlowFindsThemWhereTheFreeRunEndsInAnotherMinimum) {
 }
 
 /// Dry friction and a mass, both unknown, of a model that knows nothing of a drag beside them.
-TEST(CorrectedFit, SlowOfAnInexactModelTellsHowMuchIsUnknown) {
+TEST(SlowCorrectedFit, OfAnInexactModelTellsHowMuchIsUnknown) {
   Plan truth = testing::OneMass(2.0,
                                 Value{{"type", "sine_sum"},
                                       {"amplitudes", Value::Array{30.0, 10.0}},
@@ -111,7 +111,7 @@ TEST(CorrectedFit, SlowOfAnInexactModelTellsHowMuchIsUnknown) {
   }
 }
 
-TEST(CorrectedFit, SlowFindsTheFrictionOfAMeasuredServoAxis) {
+TEST(SlowCorrectedFit, FindsTheFrictionOfAMeasuredServoAxis) {
   const std::string file = "../shared/data/servo_axis/DATA_EMPS.mat";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "the public record is not here: " << file;
   const Plan plan = estimation::Scenario("tests/real/servo_axis.toml");

@@ -54,7 +54,7 @@ std::vector<Case> Cases() {
   };
 }
 
-TEST(TwentyCases, SlowComeBack) {
+TEST(SlowTwentyCases, ComeBack) {
   int found_all = 0, number = 0;
   std::string missed;
   for (const Case& one : Cases()) {
