@@ -6,6 +6,7 @@
 
 #include "experiment/drive_by_record.h"
 #include "score/series.h"
+#include "score/white_noise.h"
 
 namespace dynoproof::estimation {
 namespace {
@@ -21,20 +22,6 @@ Series Until(const Series& series, double end_s) {
 }
 
 }  // namespace
-
-double WhiteNoise(const std::vector<double>& values) {
-  constexpr int kOrder = 6;
-  constexpr double kGain = 30.397;            // sqrt(924): the sum of the squared binomial coefficients
-  constexpr double kNormalMedian = 0.674490;  // of the magnitude of a normal deviate
-  if (values.size() <= kOrder) return 0.0;
-  std::vector<double> d = values;
-  for (int order = 0; order < kOrder; ++order) {
-    for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
-    d.pop_back();
-  }
-  for (double& value : d) value = std::abs(value);
-  return score::Median(d) / kGain / kNormalMedian;
-}
 
 DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options)
     : records_(std::move(records)) {
@@ -56,7 +43,7 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       channel.name = name;
       channel.unit = plan.root.TextOr("output." + name + ".unit", "1");
       channel.spread = score::StandardDeviation(y);
-      channel.white = WhiteNoise(y);
+      channel.white = score::WhiteNoise(y);
       channel.noise = std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
       channel.begin = std::ssize(measured);
       for (auto i = first; i < std::ssize(t); i += every) {

@@ -45,8 +45,4 @@ class DataSet {
   std::vector<double> time_s_;
 };
 
-/// Standard deviation of the white noise on a signal. Differences of the sixth order leave next to nothing of motion below
-/// a tenth of the sampling rate; their median does not see impacts. 0 for fewer than seven samples.
-double WhiteNoise(const std::vector<double>& values);
-
 }  // namespace dynoproof::estimation

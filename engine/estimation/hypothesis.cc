@@ -11,6 +11,16 @@ constexpr double kBound = 3.0;  // deviations: 0.3 % of sound values lie beyond
 /// The smallest start that is taken for a parameter's size, of its bounds' width.
 constexpr double kLeastSize = 1e-6;
 
+/// By coordinate, what `pick` takes of those of both bounds: of a negative number the upper one is the smaller.
+Eigen::VectorXd BoundsOf(const std::vector<Parameter>& parameters, double (*pick)(double, double)) {
+  Eigen::VectorXd bounds(std::ssize(parameters));
+  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
+    const Parameter& parameter = parameters[static_cast<std::size_t>(i)];
+    bounds[i] = pick(parameter.CoordinateOf(parameter.lower), parameter.CoordinateOf(parameter.upper));
+  }
+  return bounds;
+}
+
 }  // namespace
 
 void Hypothesis::Insert(std::size_t at, Parameter parameter, double value) {
@@ -87,21 +97,11 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
 }
 
 Eigen::VectorXd Hypothesis::lower() const {
-  Eigen::VectorXd bounds(start_.size());
-  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
-    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
-    bounds[i] = std::min(parameter.CoordinateOf(parameter.lower), parameter.CoordinateOf(parameter.upper));
-  }
-  return bounds;
+  return BoundsOf(parameters_, [](double a, double b) { return std::min(a, b); });
 }
 
 Eigen::VectorXd Hypothesis::upper() const {
-  Eigen::VectorXd bounds(start_.size());
-  for (Eigen::Index i = 0; i < bounds.size(); ++i) {
-    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
-    bounds[i] = std::max(parameter.CoordinateOf(parameter.lower), parameter.CoordinateOf(parameter.upper));
-  }
-  return bounds;
+  return BoundsOf(parameters_, [](double a, double b) { return std::max(a, b); });
 }
 
 Plan Hypothesis::At(const Eigen::VectorXd& q) const {

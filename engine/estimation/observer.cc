@@ -392,10 +392,10 @@ std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::v
   return columns;
 }
 
-std::vector<double> MemoriesFor(const LinearModel& model, double duration_s) {
+double MemoryFor(const LinearModel& model, double duration_s) {
   // On the soft rotor 15 periods of its first mode are 25 ms, by which fits from nominal reach the truth; on a servo axis a
   // tenth of its slowest time constant is as much. From the sixth part of that to ten times as much the result is the same.
-  constexpr double kPeriods = 15.0, kOfSlowest = 0.1, kLonger = 10.0;
+  constexpr double kPeriods = 15.0, kOfSlowest = 0.1;
   // A plant that forgets by itself is corrected within a third of that, or not at all.
   constexpr double kOfForgetting = 1.0 / 3.0;
   constexpr double kFewestSteps = 10.0, kMostOfRecord = 0.1;
@@ -412,11 +412,7 @@ std::vector<double> MemoriesFor(const LinearModel& model, double duration_s) {
   double memory_s = period_s > 0.0 ? kPeriods * period_s : kOfSlowest * slowest_s;
   if (forgets_s > 0.0) memory_s = std::min(memory_s, kOfForgetting * forgets_s);
   if (!(memory_s > 0.0)) memory_s = 0.01 * duration_s;
-  memory_s = std::max(std::min(memory_s, kMostOfRecord * duration_s), kFewestSteps * model.period_s);
-  std::vector<double> memories = {memory_s};
-  if (kLonger * memory_s < std::min(0.5 * duration_s, kOfForgetting * forgets_s))
-    memories.push_back(kLonger * memory_s);
-  return memories;
+  return std::max(std::min(memory_s, kMostOfRecord * duration_s), kFewestSteps * model.period_s);
 }
 
 }  // namespace dynoproof::estimation

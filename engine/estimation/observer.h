@@ -67,8 +67,8 @@ class Observer {
   Eigen::MatrixXd innovation_covariance_;
 };
 
-/// Memories [s] for searches in a record of that length, the shortest first, each ten times the one before: from fifteen
-/// periods of the slowest mode on; of a plant without modes from a tenth of its slowest time constant on.
-std::vector<double> MemoriesFor(const LinearModel& model, double duration_s);
+/// The memory [s] for searches in a record of that length: fifteen periods of the slowest mode; of a plant without modes a
+/// tenth of its slowest time constant.
+double MemoryFor(const LinearModel& model, double duration_s);
 
 }  // namespace dynoproof::estimation

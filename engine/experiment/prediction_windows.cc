@@ -10,6 +10,7 @@
 #include "base/subnormals.h"
 #include "experiment/checks.h"
 #include "score/series.h"
+#include "score/white_noise.h"
 
 namespace dynoproof {
 namespace {
@@ -26,21 +27,6 @@ constexpr double kStep = 1e-6;
 // What is known of the state before the first sample: times its usual magnitudes. A twist of that much is wider than a
 // gap.
 constexpr double kUnknown = 100.0;
-
-/// Standard deviation of white noise on a signal. Differences of the sixth order leave next to nothing of motion below
-/// a tenth of the sampling rate; their median does not see impacts.
-double WhiteNoise(const std::vector<double>& values) {
-  constexpr int kOrder = 6;
-  constexpr double kGain = 30.397;            // sqrt(924): the sum of the squared binomial coefficients
-  constexpr double kNormalMedian = 0.674490;  // of the magnitude of a normal deviate
-  std::vector<double> d = values;
-  for (int order = 0; order < kOrder && d.size() > 1; ++order) {
-    for (std::size_t i = 0; i + 1 < d.size(); ++i) d[i] = d[i + 1] - d[i];
-    d.pop_back();
-  }
-  for (double& value : d) value = std::abs(value);
-  return d.empty() ? 0.0 : score::Median(d) / kGain / kNormalMedian;
-}
 
 /// The sample of each tick: a series counts at the tick next to its time stamps.
 std::vector<double> ByTick(const Series& series, double period_s, std::int64_t steps) {
@@ -217,7 +203,7 @@ Result<Observer> MakeObserver(const Rig& rig, const MappedRecord& record, double
     observer.outputs.push_back(name);
     observer.measured.push_back(ByTick(series, period_s, rig.steps));
     const double floor = kLeastNoise * std::max(score::StandardDeviation(*series.values), 1e-9);
-    noise.push_back(std::pow(std::max(WhiteNoise(*series.values), floor), 2));
+    noise.push_back(std::pow(std::max(score::WhiteNoise(*series.values), floor), 2));
   }
   if (observer.outputs.empty()) return Failure{"no output of the scenario is in the record", record.file, {}, 2};
   for (const InputLine& line : rig.inputs) {

@@ -126,7 +126,7 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
   if (!model.ok()) return model.failure();
   const double duration_s = whole.records().front().end_s;
   std::vector<double> memories;
-  for (double memory_s = estimation::MemoriesFor(*model, duration_s).front() / kLonger; memory_s < duration_s;
+  for (double memory_s = estimation::MemoryFor(*model, duration_s) / kLonger; memory_s < duration_s;
        memory_s *= kLonger)
     memories.push_back(memory_s);
   // A record that begins as the plan does needs no lead-in, and none is better: what noise makes of a state that is found
