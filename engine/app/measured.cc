@@ -43,14 +43,9 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
     (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
   }
   if (diagnostics.error_count() != before) return std::nullopt;
-  // One problem has one set of start values.
-  const auto moves = [](const MappedRecord& record) { return record.in_motion; };
-  if (std::any_of(result.data.begin(), result.data.end(), moves)) {
-    for (std::vector<MappedRecord>* group : {&result.data, &result.holdout}) {
-      for (MappedRecord& record : *group) record.in_motion = true;
-    }
-  } else {
-    for (MappedRecord& record : result.holdout) record.in_motion = false;
+  // One problem has one set of start values. A hold-out has its own, of its first samples.
+  if (std::ranges::any_of(result.data, &MappedRecord::in_motion)) {
+    for (MappedRecord& record : result.data) record.in_motion = true;
   }
   return result;
 }

@@ -11,6 +11,7 @@
 #include "diagnosis/extend.h"
 #include "diagnosis/policy.h"
 #include "identification/profile_likelihood.h"
+#include "identification/start.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -388,24 +389,25 @@ Status Judgement::MeasureGain(const Estimate& best) {
   result_.train = *train;
   const EstimationProblem full(problem_.plan(), result_.own_holdout ? holdout_ : given_, problem_.registry(),
                                result_.counted, problem_.context());
-  Hypothesis chosen = best.hypothesis;
-  if (result_.own_holdout) {
-    for (std::size_t i = 0; i < chosen.z.size(); ++i) {
-      if (problem_.nuisances()[i].start) chosen.z[i] = start.z[i] = 0.0;
+  // A hold-out starts as the scenario does, or else each model gets the start that suits it best, by its first tenth.
+  const bool own_start = result_.own_holdout && std::ranges::any_of(holdout_, &MappedRecord::in_motion);
+  const double from = own_start ? identification::kStartShare : result_.own_holdout ? 0.0 : kTrainingShare;
+  const auto plan_of = [&](Hypothesis hypothesis) -> Result<Plan> {
+    if (!result_.own_holdout) return problem_.PlanOf(hypothesis);
+    for (std::size_t i = 0; i < hypothesis.z.size(); ++i) {
+      if (problem_.nuisances()[i].start) hypothesis.z[i] = 0.0;
     }
+    return identification::FitStarts(full, problem_.PlanOf(hypothesis), from);
+  };
+  const Result<Plan> as_written = plan_of(start), fitted = plan_of(found_.null.hypothesis),
+                     extended = plan_of(best.hypothesis);
+  for (const Result<Plan>* plan : {&as_written, &fitted, &extended}) {
+    if (!plan->ok()) return plan->failure();
   }
-  const auto holdout =
-      MeasureGains(full, full.PlanOf(start), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
+  const auto holdout = MeasureGains(full, *as_written, *extended, from);
   if (!holdout.ok()) return holdout.failure();
   result_.holdout = *holdout;
-  Hypothesis released = found_.null.hypothesis;
-  if (result_.own_holdout) {
-    for (std::size_t i = 0; i < released.z.size(); ++i) {
-      if (problem_.nuisances()[i].start) released.z[i] = 0.0;
-    }
-  }
-  const auto nominal =
-      MeasureGains(full, full.PlanOf(released), full.PlanOf(chosen), result_.own_holdout ? 0.0 : kTrainingShare);
+  const auto nominal = MeasureGains(full, *fitted, *extended, from);
   if (!nominal.ok()) return nominal.failure();
   double sum_before = 0.0, sum_after = 0.0, sum_released = 0.0;
   for (const auto& [name, gain] : result_.holdout) {

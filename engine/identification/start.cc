@@ -48,7 +48,7 @@ std::string MotionAtStart(const EstimationProblem& problem) {
   return moves ? text : "";
 }
 
-Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {
+Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until) {
   const std::vector<MappedRecord>& records = problem.records();
   if (std::none_of(records.begin(), records.end(), [](const MappedRecord& one) { return one.in_motion; })) return plan;
   std::vector<const Nuisance*> starts;
@@ -59,7 +59,7 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan) {
   for (std::size_t r = 0; r < records.size(); ++r) {
     if (!records[r].in_motion) continue;
     // A start moves its own record alone: the others are not run for it.
-    const EstimationProblem own(problem.plan(), {records[r]}, problem.registry(), 1.0, problem.context());
+    const EstimationProblem own(problem.plan(), {records[r]}, problem.registry(), until, problem.context());
     const auto predict = [&](const std::vector<double>& values) {
       Plan moved = plan;
       moved.root.Erase("start_of_record");

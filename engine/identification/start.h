@@ -13,8 +13,12 @@ namespace dynoproof::identification {
 /// its first samples; else empty, also where a run breaks.
 std::string MotionAtStart(const EstimationProblem& problem);
 
-/// The plan with the start of each record that is `in_motion` (StartOfRecord()) by least squares, all else as it is. For
-/// a linear plant this is the optimum, else one step towards it. Fails where a run breaks.
-Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan);
+/// The share of a hold-out in motion that its start is fitted to, and that is not judged.
+inline constexpr double kStartShare = 0.1;
+
+/// The plan with the start of each record that is `in_motion` (StartOfRecord()) by least squares over the first share
+/// `until` of the record, all else as it is. For a linear plant this is the optimum, else one step towards it. Fails
+/// where a run breaks.
+Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until = 1.0);
 
 }  // namespace dynoproof::identification

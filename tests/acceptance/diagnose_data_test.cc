@@ -85,6 +85,22 @@ TEST_F(DiagnosedData, AHoldOutFileIsWhatTheGainIsMeasuredOn) {
   EXPECT_THAT(refused.err, HasSubstr("bad.csv"));
 }
 
+TEST_F(DiagnosedData, AHoldOutThatBeginsInMotionGetsAStartOfItsOwn) {
+  Write("record.csv", Record({kChanged}, 3));
+  std::vector<Column> cut = Record({kChanged, "input.T_airgap.source.amplitude=60.0"}, 4);
+  const auto first = static_cast<std::ptrdiff_t>(cut[0].values.size() / 4);
+  for (Column& column : cut) column.values.erase(column.values.begin(), column.values.begin() + first);
+  ASSERT_GT(std::abs(cut[3].values[0]), 0.05) << "it turns";
+  Write("cut.csv", cut);
+  const nlohmann::json found = bench_.Json(Diagnose({"--holdout", "cut.csv"}));
+  ExpectTheInertia(found);
+  for (const auto& [signal, gain] : found["gain"]["holdout"].items()) {
+    // The noise is 0.01, and as much comes of a start that 45 noisy rows tell.
+    EXPECT_LT(gain["nrmse_after"].get<double>(), 0.02) << signal << gain;
+    EXPECT_GT(gain["gain_ci95"][0], 0.5) << signal << gain;
+  }
+}
+
 TEST_F(DiagnosedData, InterruptedGoesOnToTheSameVerdict) {
   Write("record.csv", Record({kChanged}, 3));
   const nlohmann::json whole = bench_.Json({"diagnose", "line.toml", "--data", "record.csv", "--out", "whole"});
