@@ -37,6 +37,15 @@ std::vector<std::string> Used(const CheckArguments& arguments, const trace::Reco
   return names;
 }
 
+/// Whether a map answers what a finding asks: which clock, in which unit.
+bool ToldByMap(const diagnosis::Finding& finding, const RecordMap& map) {
+  if (finding.kind == "unit") return !map.clock.unit.empty() && map.clock.column == finding.column;
+  const auto has_clock = [](const ChannelMap& channel) { return channel.clock.given(); };
+  return finding.kind == "no_time" && !map.file.empty() &&
+         (map.clock.given() ||
+          (std::ranges::all_of(map.inputs, has_clock) && std::ranges::all_of(map.outputs, has_clock)));
+}
+
 /// A map alone: its columns, units and clocks, without a scenario that would say what they are.
 void CheckMap(const trace::Record& record, const RecordMap& map, Diagnostics& diagnostics) {
   std::vector<SignalName> inputs, outputs;
@@ -72,6 +81,7 @@ int CheckData(const CheckArguments& arguments) {
     return kUsage;
   }
   std::vector<diagnosis::Finding> findings = diagnosis::CheckRecord(*record);
+  std::erase_if(findings, [&](const diagnosis::Finding& f) { return ToldByMap(f, *map); });
   // What nobody uses is worth a note at most; stamps are used by all.
   const std::vector<std::string> used = Used(arguments, *record, *map);
   for (diagnosis::Finding& finding : findings) {

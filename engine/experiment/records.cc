@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "trace/csv.h"
+#include "trace/foreign_time.h"
 #include "trace/hdf5_record.h"
 #include "trace/mat.h"
 #include "trace/time_base.h"
@@ -226,6 +227,11 @@ class Mapper {
       if (time == nullptr) return std::nullopt;
     } else if (column.time) {
       time = &record_.columns[*column.time];
+      if (!told_time_ && trace::ForeignTime(time->name)) {
+        told_time_ = true;
+        result_.notes.push_back(fmt::format("column \"{}\" is taken as the time, in {}", time->name,
+                                            time->unit.empty() ? "s" : time->unit));
+      }
     } else {
       if (!time_fault_)
         diagnostics_.Error(
@@ -235,7 +241,12 @@ class Mapper {
       time_fault_ = true;
       return std::nullopt;
     }
-    const std::string written = !clock.unit.empty() ? clock.unit : !time->unit.empty() ? time->unit : "s";
+    // Where neither map nor file says the unit the name may, "stamp_us".
+    const std::string in_name = trace::TimeUnitOf(time->name);
+    const std::string written = !clock.unit.empty()   ? clock.unit
+                                : !time->unit.empty() ? time->unit
+                                : !in_name.empty()    ? in_name
+                                                      : "s";
     const std::optional<Unit> unit = ParseUnit(written);
     if (!unit || !SameQuantity(*unit, *ParseUnit("s"))) {
       diagnostics_.Error({record_.source},
@@ -420,7 +431,7 @@ class Mapper {
   double last_unit_s_ = 0.0;
   trace::TimeBase last_base_;
   double clock_start_s_ = 0.0, finest_step_s_ = 0.0;
-  bool time_fault_ = false;
+  bool time_fault_ = false, told_time_ = false;
 };
 
 /// By the names that the file offers, or by the paths that a map asks for.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "trace/csv_text.h"
+#include "trace/foreign_time.h"
 #include "trace/record.h"
 
 namespace dynoproof::trace::csv {
@@ -13,6 +14,7 @@ namespace {
 bool NamesTime(const Row& row) {
   return std::ranges::any_of(row.cells, [](const std::string& cell) {
     std::string name = SplitHeading(cell).name;
+    if (ForeignTime(name)) return true;
     std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return IsTimeName(name);
   });

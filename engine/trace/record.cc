@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/text_safety.h"
+#include "trace/foreign_time.h"
 
 namespace dynoproof::trace {
 
@@ -40,6 +42,33 @@ std::vector<std::string> Record::DescribeNonFinite() const {
 
 bool IsTimeName(std::string_view name) { return name == "t" || name == "time"; }
 
+namespace {
+
+/// The column of time stamps by a stranger's name. Of several it is the one that does not fall; a note says that a map has
+/// to tell where that does not decide.
+std::optional<std::size_t> ForeignTimeOf(Record& record) {
+  std::vector<std::size_t> named, rising;
+  for (std::size_t i = 0; i < record.columns.size(); ++i) {
+    const std::vector<double>& values = record.columns[i].values;
+    if (!ForeignTime(record.columns[i].name)) continue;
+    named.push_back(i);
+    const bool falls = std::adjacent_find(values.begin(), values.end(), std::greater<>()) != values.end();
+    if (!falls && !values.empty() && values.front() != values.back()) rising.push_back(i);
+  }
+  const std::vector<std::size_t>& candidates = named.size() > 1 ? rising : named;
+  if (candidates.empty()) return {};
+  if (candidates.size() > 1) {
+    record.notes.push_back(fmt::format("columns \"{}\" and \"{}\" could both be the time: a map has to say which",
+                                       record.columns[candidates[0]].name, record.columns[candidates[1]].name));
+    return {};
+  }
+  Column& time = record.columns[candidates[0]];
+  if (time.unit.empty()) time.unit = ForeignTime(time.name)->unit;
+  return candidates[0];
+}
+
+}  // namespace
+
 void FinishRecord(Record& record) {
   const auto mend = [](std::string& text) { text = WithoutControls(ToUtf8(text)); };
   for (Column& column : record.columns) {
@@ -58,6 +87,7 @@ void FinishRecord(Record& record) {
                                          record.columns[*record.time].name, record.columns[i].name));
     }
   }
+  if (!record.time) record.time = ForeignTimeOf(record);
   for (std::size_t i = 0; i < record.columns.size(); ++i) {
     Column& column = record.columns[i];
     if (record.time && i != *record.time && !column.time &&

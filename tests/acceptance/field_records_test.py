@@ -204,6 +204,22 @@ class FieldRecords(Steps):
         # Without the values before the events the lines go astray.
         self.assertGreater(self.distance(self.write("after.csv", csv(after))), 1e-2)
 
+    def test_names_of_the_time(self):
+        rows = held().rows()
+        for name, factor in (("Time", 1), ("Zeit [s]", 1), ("Timestamp_ms", 1e3), ("time_us", 1e6), ("X_Value", 1)):
+            named = rows * np.array([factor, 1, 1, 1])
+            self.exact(self.write("named.csv", csv(named, f"{name},T_airgap,T_shaft,omega_1", "{:.12g}")))
+        us = rows * np.array([1e6, 1, 1, 1])
+        self.assertIn('column "time_us" is taken as the time, in us',
+                      self.notes(self.write("us.csv", csv(us, "time_us,T_airgap,T_shaft,omega_1"))))
+        # Any other name is one for a map, which need not repeat the unit; with a clock no time is missed.
+        chart = self.write("map.toml", "time = 'stamp_us'\n[input.T_airgap]\ncolumn = 'T_airgap'\n"
+                                       "[output.T_shaft]\ncolumn = 'T_shaft'\n")
+        named = self.write("stamp.csv", csv(us, "stamp_us,T_airgap,T_shaft,omega_1"))
+        self.exact(named, f" --map {chart}")
+        self.assertIn("no_time", self.shell(f"dynoproof check-data {named}").stdout)
+        self.assertNotIn("no_time", self.shell(f"dynoproof check-data {named} --map {chart}").stdout)
+
     # --- rasters
 
     def test_two_rasters_side_by_side(self):
