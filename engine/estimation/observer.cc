@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/subnormals.h"
+#include "estimation/sensor_chain.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 
@@ -232,8 +233,11 @@ std::pair<MatrixXd, MatrixXd> Over(int count, const MatrixXd& A, const MatrixXd&
 }  // namespace
 
 Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record, const Registry& registry) {
-  Result<BuiltRun> run = BuildRun(plan, record, registry);
-  if (!run.ok()) return run.failure();
+  const Result<BuiltRun> whole = BuildRun(plan, record, registry),
+                         run = BuildRun(WithoutSensors(plan), record, registry);
+  for (const Result<BuiltRun>* one : {&whole, &run}) {
+    if (!one->ok()) return one->failure();
+  }
   LinearModel model;
   model.period_s = run->rig->SecondsOf(run->rig->period);
   for (const Port& port : run->rig->state_ports) model.states.push_back(port.name);
@@ -241,6 +245,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   const std::vector<int> outputs = OutputsOf(*run->rig, model.outputs);
   if (outputs.size() != model.outputs.size())
     return Failure{"an output of the record is not in the plan", plan.id, {}, 2};
+  if (Status failed = model.SeeThrough(*whole)) return *failed;
   const auto n = std::ssize(model.states);
   model.scale.resize(n);
   for (Index i = 0; i < n; ++i) model.scale[i] = run->rig->state_ports[static_cast<std::size_t>(i)].nominal;
@@ -248,7 +253,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   for (const InputLine& line : run->rig->inputs)
     torque = std::max(torque, line.unit == "N m" ? SizeOf(line, record) : 0.0);
   std::vector<BuiltRun> loaded;
-  for (auto& [name, with] : Loaded(plan, torque > 0.0 ? torque : 1.0, registry)) {
+  for (auto& [name, with] : Loaded(WithoutSensors(plan), torque > 0.0 ? torque : 1.0, registry)) {
     Result<BuiltRun> one = BuildRun(std::move(with), record, registry);
     if (!one.ok()) return one.failure();
     loaded.push_back(*std::move(one));
@@ -268,7 +273,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
       if (!moved.ok()) return moved.failure();
       A.push_back(model.scale.cwiseInverse().asDiagonal() * slopes->first);
       G.push_back(model.scale.cwiseInverse().asDiagonal() * *moved);
-      C.push_back(slopes->second);
+      C.push_back(model.slopes.asDiagonal() * slopes->second);
     }
     model.regimes.push_back({of_regime.front().modes, Median(A), Median(G), Median(C)});
   }
@@ -276,9 +281,10 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   const Regime& first = model.regimes.front();
   const double leak = std::exp(-model.period_s / std::max(record.end_s, model.period_s));
   // Outputs count by their own magnitude.
-  VectorXd size(std::ssize(outputs));
+  VectorXd size(std::ssize(model.outputs));
   for (Index j = 0; j < size.size(); ++j)
-    size[j] = run->rig->outputs[static_cast<std::size_t>(outputs[static_cast<std::size_t>(j)])].nominal;
+    size[j] =
+        std::ranges::find(run->rig->outputs, model.outputs[static_cast<std::size_t>(j)], &OutputLine::name)->nominal;
   const MatrixXd weights = size.cwiseInverse().asDiagonal();
   model.part = mechanics::Balance(first.A, first.G, weights * first.C, leak, kMostStates);
   if (n <= kMostStates) {
@@ -301,7 +307,23 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   return model;
 }
 
-Result<LinearModel::Regime> LinearModel::Reduced(const BuiltRun& run) const {
+Status LinearModel::SeeThrough(const BuiltRun& run) {
+  Simulation simulation(*run.rig, *run.solver);
+  if (Status failed = simulation.Start()) return failed;
+  if (Status failed = simulation.Tick()) return failed;
+  slopes.resize(std::ssize(outputs));
+  kept.resize(std::ssize(outputs));
+  Index j = 0;
+  for (const int output : OutputsOf(*run.rig, outputs)) {
+    const SensorChain sensor(*run.rig, static_cast<std::size_t>(output));
+    // A magnitude counts as what it is the magnitude of.
+    slopes[j] = std::abs(sensor.SlopeAt(simulation.frame(), 0.0));
+    kept[j++] = KeptOver(period_s, sensor.lag_s());
+  }
+  return {};
+}
+
+Result<LinearModel> LinearModel::Reduced(const BuiltRun& whole, const BuiltRun& run) const {
   if (!run.solver->linear()) return Failure{"the model is not linear", run.rig->id};
   const auto same = [](const Port& port, const std::string& name) { return port.name == name; };
   if (!std::ranges::equal(run.rig->state_ports, states, same))
@@ -310,15 +332,20 @@ Result<LinearModel::Regime> LinearModel::Reduced(const BuiltRun& run) const {
   if (Status failed = simulation.Start()) return *failed;
   if (Status failed = simulation.Tick()) return *failed;
   Differences differences(run);
-  const auto slopes =
+  const auto moved =
       Along(differences, simulation.frame(), scale.asDiagonal() * part.basis, OutputsOf(*run.rig, outputs));
-  if (!slopes.ok()) return slopes.failure();
-  return Regime{regimes.front().modes, part.reduction * scale.cwiseInverse().asDiagonal() * slopes->first,
-                regimes.front().G, slopes->second};
+  if (!moved.ok()) return moved.failure();
+  LinearModel reduced = *this;
+  if (Status failed = reduced.SeeThrough(whole)) return *failed;
+  reduced.regimes = {{regimes.front().modes, part.reduction * scale.cwiseInverse().asDiagonal() * moved->first,
+                      regimes.front().G, reduced.slopes.asDiagonal() * moved->second}};
+  return reduced;
 }
 
 Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_s, double memory_s)
-    : states_(model.states), stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
+    : states_(model.states),
+      slopes_(model.slopes),
+      stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
   const VectorXd variance = noise.cwiseAbs2();
   const double periods = stride_;
   // What no output sees in a regime, as the way through a gap, would become ever more uncertain: nothing is remembered for
@@ -371,12 +398,25 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   }
 }
 
-VectorXd Observer::NoiseAlone(const LinearModel::Regime& model, const VectorXd& white) const {
-  const MatrixXd& K = gains_.front().reduced;
-  const MatrixXd A = Over(stride_, model.A, model.G).first, AK = A * K;
-  const MatrixXd covariance =
-      mechanics::StationaryCovariance(A - AK * model.C, AK * white.cwiseAbs2().asDiagonal() * AK.transpose());
-  return ((model.C * covariance * model.C.transpose()).diagonal() + white.cwiseAbs2()).cwiseSqrt();
+VectorXd Observer::NoiseAlone(const LinearModel& model, const VectorXd& white) const {
+  const LinearModel::Regime& regime = model.regimes.front();
+  const MatrixXd A = Over(stride_, regime.A, regime.G).first;
+  const VectorXd kept = model.kept.array().pow(stride_), passed = 1.0 - kept.array();
+  const MatrixXd AK = A * gains_.front().reduced * slopes_.cwiseQuotient(model.slopes).asDiagonal();
+  // States: those of the model, the noise of the sample before, and what the lags hold. What corrects is the error behind
+  // the inverse of a lag, (e - kept e-) / passed; what is compared has passed it.
+  const Index n = A.rows(), m = white.size();
+  MatrixXd L = MatrixXd::Zero(n + 2 * m, n + 2 * m), B = MatrixXd::Zero(n + 2 * m, m), H = MatrixXd::Zero(m, n + 2 * m);
+  L.topLeftCorner(n, n) = A - AK * regime.C;
+  L.block(0, n, n, m) = -AK * kept.cwiseQuotient(passed).asDiagonal();
+  L.block(n + m, 0, m, n) = passed.asDiagonal() * regime.C;
+  L.block(n + m, n + m, m, m) = kept.asDiagonal();
+  B.topRows(n) = AK * passed.cwiseInverse().asDiagonal();
+  B.middleRows(n, m).setIdentity();
+  H.leftCols(n) = passed.asDiagonal() * regime.C;
+  H.rightCols(m) = kept.asDiagonal();
+  const MatrixXd covariance = mechanics::StationaryCovariance(L, B * white.cwiseAbs2().asDiagonal() * B.transpose());
+  return ((H * covariance * H.transpose()).diagonal() + white.cwiseAbs2()).cwiseSqrt();
 }
 
 std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::vector<int>& modes) const {

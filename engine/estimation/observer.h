@@ -16,23 +16,29 @@
 
 namespace dynoproof::estimation {
 
-/// The nominal model over one period, about where it runs: of the states that forces move and outputs see.
+/// The nominal model over one period, about where it runs: of the states that forces move and outputs see, sensors apart.
 struct LinearModel {
   std::vector<std::string> states, outputs, forces;  // by name; outputs as in the record
   Eigen::VectorXd scale;                             // usual magnitude of each state
   mechanics::BalancedPart part;                      // of the scaled states
   double period_s = 0.0;
+  Eigen::VectorXd slopes, kept;  // by output: of the sensor's chain, and what a lag in it keeps of itself over a period
   struct Regime {
     std::vector<int> modes;   // of the rig: contact or none
-    Eigen::MatrixXd A, G, C;  // r x r, r x forces, outputs x r: one period of the part
+    Eigen::MatrixXd A, G, C;  // r x r, r x forces, outputs x r: one period of the part; outputs as if no sensor lagged
   };
   std::vector<Regime> regimes;  // the most visited first; at least one
 
   /// `record`: of a data set of `plan`. A rig that is linear is linearised once; another one along its free run, a median for
   /// each regime that it visits.
   static Result<LinearModel> Of(const Plan& plan, const MappedRecord& record, const Registry& registry);
-  /// A and C of another rig in the same coordinates, about the start of its run; fails where that cannot be had.
-  Result<Regime> Reduced(const BuiltRun& run) const;
+  /// Another rig in the same coordinates, about the start of its run: with its sensors, and without them
+  /// (WithoutSensors). Fails where that cannot be had.
+  Result<LinearModel> Reduced(const BuiltRun& whole, const BuiltRun& run) const;
+
+ private:
+  /// Takes the slopes and lags of a run's sensors.
+  Status SeeThrough(const BuiltRun& run);
 };
 
 class Observer {
@@ -48,9 +54,11 @@ class Observer {
   /// Covariance of the innovations [outputs x outputs], if forces as large as share() act and nothing else is unknown.
   const Eigen::MatrixXd& innovation_covariance() const { return innovation_covariance_; }
   /// RMS by output that measurement noise of these standard deviations alone causes in the innovations of a corrected
-  /// linear model.
-  Eigen::VectorXd NoiseAlone(const LinearModel::Regime& model, const Eigen::VectorXd& white) const;
+  /// linear model (its first regime), whose errors are carried back through its own sensors' chains.
+  Eigen::VectorXd NoiseAlone(const LinearModel& model, const Eigen::VectorXd& white) const;
 
+  /// By output of the model: the slope of the nominal sensor, in whose unit the gains take errors.
+  const Eigen::VectorXd& slopes() const { return slopes_; }
   /// For a rig in these modes: by output, the change of each of the rig's states. States that the nominal model does not
   /// have are not corrected.
   std::vector<std::vector<double>> GainsFor(const Rig& rig, const std::vector<int>& modes) const;
@@ -62,7 +70,8 @@ class Observer {
   };
   std::vector<std::string> states_;
   std::vector<Gain> gains_;
-  int stride_ = 1;  // periods between samples
+  Eigen::VectorXd slopes_;  // of the nominal sensors
+  int stride_ = 1;          // periods between samples
   double memory_s_ = 0.0, share_ = 0.0;
   Eigen::MatrixXd innovation_covariance_;
 };

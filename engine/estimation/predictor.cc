@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/subnormals.h"
+#include "estimation/sensor_chain.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 
@@ -35,6 +36,50 @@ double At(const std::vector<double>& course, double time_s, double period_s) {
   const double share = tick - static_cast<double>(before);
   return share > 0.0 ? course[before] + share * (course[before + 1] - course[before]) : course[before];
 }
+
+/// What a sensor is wrong by, where its chain begins, in the unit of the nominal sensor.
+class SensorError {
+ public:
+  /// `measured`: by tick. A delayed sensor shows at an instant what was before, so that a later sample tells of it.
+  SensorError(const Rig& rig, std::size_t output, double nominal_slope, const Series* measured, double period_s)
+      : rig_(rig), chain_(rig, output), inverse_(chain_.lag_s()), slope_(nominal_slope), period_s_(period_s) {
+    if (measured != nullptr) measured_ = ByTick(*measured, period_s, rig.steps);
+    if (measured == nullptr || !(chain_.delay_s() > 0.0)) return;
+    for (std::size_t k = 0; k < measured_.size(); ++k) {
+      if (std::isfinite(measured_[k])) measured_[k] = Later(*measured, static_cast<double>(k) * period_s);
+    }
+  }
+
+  const SensorChain& chain() const { return chain_; }
+  /// Where the run stands; 0 where there is no sample, or the sensor does not react.
+  double At(const Frame& frame, std::size_t tick) {
+    constexpr double kDead = 1e-3;  // of the nominal slope
+    if (measured_.empty() || !std::isfinite(measured_[tick])) return 0.0;
+    const double slope = chain_.SlopeAt(frame, rig_.SecondsOf(frame.time));
+    const double error = measured_[tick] - frame.signals[static_cast<std::size_t>(chain_.end())];
+    const double before = inverse_(error, static_cast<double>(tick - last_) * period_s_);
+    last_ = tick;
+    return std::abs(slope) > kDead * slope_ ? before * slope_ / slope : 0.0;
+  }
+
+ private:
+  /// What the sensor shows of an instant.
+  double Later(const Series& measured, double time_s) const {
+    const std::vector<double>& times = *measured.time;
+    const auto after = std::ranges::upper_bound(times, time_s + chain_.delay_s() - kOnTick * period_s_);
+    if (after == times.begin() || after == times.end()) return kNone;
+    const auto i = static_cast<std::size_t>(after - times.begin());
+    const double share = (time_s + chain_.delay_s() - times[i - 1]) / (times[i] - times[i - 1]);
+    return (*measured.values)[i - 1] + std::min(share, 1.0) * ((*measured.values)[i] - (*measured.values)[i - 1]);
+  }
+
+  const Rig& rig_;
+  SensorChain chain_;
+  LagInverse inverse_;
+  double slope_, period_s_;
+  std::vector<double> measured_;
+  std::size_t last_ = 0;
+};
 
 /// A column of an observer for each output, by what the run's modes are.
 class Corrections {
@@ -87,15 +132,16 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
   const double period_s = rig.SecondsOf(rig.period);
   const std::size_t count = model_->outputs.size();
   std::vector<std::size_t> lines;
-  std::vector<std::vector<double>> measured, predicted;
-  for (const std::string& name : model_->outputs) {
+  std::vector<SensorError> sensors;
+  std::vector<std::vector<double>> predicted;
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::string& name = model_->outputs[j];
     const auto line = std::ranges::find(rig.outputs, name, &OutputLine::name);
     const auto series = record.outputs.find(name);
     if (line == rig.outputs.end()) return Failure{"the plan lost this output", name};
     lines.push_back(static_cast<std::size_t>(line - rig.outputs.begin()));
-    measured.push_back(series != record.outputs.end()
-                           ? ByTick(series->second, period_s, rig.steps)
-                           : std::vector<double>(static_cast<std::size_t>(rig.steps) + 1, kNone));
+    sensors.emplace_back(rig, lines.back(), model_->slopes[static_cast<Index>(j)],
+                         series != record.outputs.end() ? &series->second : nullptr, period_s);
     predicted.emplace_back(static_cast<std::size_t>(rig.steps) + 1);
   }
   Simulation simulation(rig, *run.solver);
@@ -108,14 +154,14 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const auto k = static_cast<std::size_t>(step);
     if (Status failed = simulation.Tick()) return failed;
-    for (std::size_t j = 0; j < count; ++j) predicted[j][k] = simulation.OutputSample(lines[j]);
+    // A delayed sample would have been corrected by what it is compared with: the delay is counted when they are compared.
+    for (std::size_t j = 0; j < count; ++j)
+      predicted[j][k] = free_run() ? simulation.OutputSample(lines[j])
+                                   : simulation.frame().signals[static_cast<std::size_t>(sensors[j].chain().end())];
     if (step == rig.steps) break;
     if (correction != nullptr && static_cast<double>(step) * period_s < until_s_) {
       if (regimes) correction = &corrections->For(simulation.frame().modes);
-      for (std::size_t j = 0; j < count; ++j) {
-        const double error = measured[j][k] - predicted[j][k];
-        errors[j] = std::isfinite(error) ? error : 0.0;
-      }
+      for (std::size_t j = 0; j < count; ++j) errors[j] = sensors[j].At(simulation.frame(), k);
       simulation.Correct(*correction, errors);
     }
     if (Status failed = simulation.Integrate()) return failed;
@@ -123,8 +169,10 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
   for (const Channel& channel : data_->channels()) {
     if (channel.record != r) continue;
     const auto j = static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
+    const double late_s = free_run() ? 0.0 : sensors[j].chain().delay_s();
     for (Index i = channel.begin; i < channel.begin + channel.count; ++i)
-      innovations[i] = data_->measured()[i] - At(predicted[j], data_->time_s()[static_cast<std::size_t>(i)], period_s);
+      innovations[i] =
+          data_->measured()[i] - At(predicted[j], data_->time_s()[static_cast<std::size_t>(i)] - late_s, period_s);
   }
   return {};
 }
@@ -150,13 +198,16 @@ VectorXd Predictor::NoiseAlone(const Plan& plan) const {
   VectorXd alone(std::ssize(data_->channels()));
   for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
   if (free_run()) return alone;
-  const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
-  const Result<LinearModel::Regime> own = run.ok() ? model_->Reduced(*run) : Result<LinearModel::Regime>(run.failure());
+  const MappedRecord& record = data_->records().front();
+  const auto built = [&](const Plan& one) { return BuildRun(one, record, *registry_, decompositions_.get()); };
+  const Result<BuiltRun> whole = built(plan);
+  const Result<BuiltRun> bare = whole.ok() && HasSensors(plan) ? built(WithoutSensors(plan)) : Failure{};
+  const Result<LinearModel> own = whole.ok() ? model_->Reduced(*whole, bare.ok() ? *bare : *whole) : Failure{};
   VectorXd white(std::ssize(model_->outputs));
   for (Index j = 0; j < white.size(); ++j)
     white[j] =
         std::ranges::find(data_->channels(), model_->outputs[static_cast<std::size_t>(j)], &Channel::name)->white;
-  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : model_->regimes.front(), white);
+  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : *model_, white);
   for (Index c = 0; c < alone.size(); ++c) {
     const std::string& name = data_->channels()[static_cast<std::size_t>(c)].name;
     alone[c] = std::max(alone[c], by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()]);

@@ -43,8 +43,7 @@ TEST(Observer, OfAMassForgetsWithItsMemory) {
   EXPECT_NEAR(observer.memory_s(), 0.02, 2e-4);
   // One state: 1 - K = exp(-h / memory); what white noise causes in y - x: sigma^2 (1 + K / (2 - K)).
   const double gain = 1.0 - std::exp(-1e-4 / observer.memory_s());
-  EXPECT_NEAR(observer.NoiseAlone(model->regimes.front(), noise)[0], noise[0] * std::sqrt(1.0 + gain / (2.0 - gain)),
-              1e-9 * noise[0]);
+  EXPECT_NEAR(observer.NoiseAlone(*model, noise)[0], noise[0] * std::sqrt(1.0 + gain / (2.0 - gain)), 1e-9 * noise[0]);
   const Result<BuiltRun> run = BuildRun(mass.plan, mass.data.records().front(), testing::BuiltIns());
   ASSERT_TRUE(run.ok());
   const auto gains = observer.GainsFor(*run->rig, {});
