@@ -39,9 +39,14 @@ void PanelBaseline(const double* a, const double* const* b, long depth, double* 
 [[gnu::target("avx2,fma")]] void PanelAvx2(const double* a, const double* const* b, long depth, double* out) {
   Panel<Vector<4>>(a, b, depth, out);
 }
-[[gnu::target("avx512f,avx512vl,avx512dq,fma,prefer-vector-width=512")]] void PanelAvx512(const double* a,
-                                                                                          const double* const* b,
-                                                                                          long depth, double* out) {
+#if defined(__clang__)  // which takes explicit vectors at their width, and does not know the word
+#define DYNOPROOF_WIDE ""
+#else
+#define DYNOPROOF_WIDE ",prefer-vector-width=512"
+#endif
+[[gnu::target("avx512f,avx512vl,avx512dq,fma" DYNOPROOF_WIDE)]] void PanelAvx512(const double* a,
+                                                                                 const double* const* b, long depth,
+                                                                                 double* out) {
   Panel<Vector<8>>(a, b, depth, out);
 }
 #endif
