@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <new>
 
@@ -145,8 +146,37 @@ template <class Iterate>
 Result<std::vector<std::string>> Names(bool tracked, Iterate iterate) {
   std::vector<std::string> names;
   if (iterate(tracked ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME, &names) < 0) return LastError("the names cannot be listed");
+  std::vector<std::string> sorted = names;
+  std::ranges::sort(sorted);
+  if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
+    return BadData(fmt::format("the name \"{}\" stands there twice: the file is damaged", *twice));
   return names;
 }
+
+/// How often each object is named.
+class NamesOfObjects {
+ public:
+  void Count(const char* name, const H5L_info_t& link) {
+    if (link.type == H5L_TYPE_HARD) names_[link.u.address].push_back(name);
+  }
+  /// An object counts its names. One that is found under more of them has got a name of another by a damaged address.
+  Status Check(hid_t location) const {
+    for (const auto& [address, names] : names_) {
+      if (names.size() < 2) continue;
+      const Handle object(H5Oopen_by_addr(location, address));
+      H5O_info_t info = {};
+      if (!object.valid() || H5Oget_info2(object.id(), &info, H5O_INFO_BASIC) < 0)
+        return LastError(fmt::format("\"{}\" cannot be opened", names.front()));
+      if (info.rc < names.size())
+        return BadData(fmt::format("\"{}\" are one object, which has {} name{}: the file is damaged",
+                                   fmt::join(names, "\", \""), info.rc, info.rc == 1 ? "" : "s"));
+    }
+    return {};
+  }
+
+ private:
+  std::map<haddr_t, std::vector<std::string>> names_;
+};
 
 }  // namespace
 
@@ -154,13 +184,41 @@ Result<std::vector<std::string>> LinkNames(hid_t group) {
   const Handle plist(H5Gget_create_plist(group));
   unsigned order = 0;
   H5Pget_link_creation_order(plist.id(), &order);
-  return Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, void* names) {
-    const auto add = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-      static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+  std::pair<std::vector<std::string>*, NamesOfObjects> into;
+  Result<std::vector<std::string>> listed =
+      Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, std::vector<std::string>* names) {
+        into.first = names;
+        const auto add = [](hid_t, const char* name, const H5L_info_t* link, void* out) -> herr_t {
+          auto& [listing, objects] = *static_cast<decltype(into)*>(out);
+          listing->emplace_back(name);
+          objects.Count(name, *link);
+          return 0;
+        };
+        return H5Literate(group, index, H5_ITER_INC, nullptr, add, &into);
+      });
+  if (!listed.ok()) return listed;
+  if (Status s = into.second.Check(group)) return *s;
+  return listed;
+}
+
+Status VisitLinks(hid_t group, const std::function<void(const char* path, const H5L_info_t& link)>& add) {
+  struct Into {
+    const std::function<void(const char*, const H5L_info_t&)>& add;
+    NamesOfObjects objects;
+  } into{add, {}};
+  const Result<std::vector<std::string>> listed = Names(false, [&](H5_index_t index, std::vector<std::string>* names) {
+    std::pair<Into*, std::vector<std::string>*> both{&into, names};
+    const auto each = [](hid_t, const char* path, const H5L_info_t* link, void* out) -> herr_t {
+      const auto& [to, paths] = *static_cast<decltype(both)*>(out);
+      paths->emplace_back(path);
+      to->objects.Count(path, *link);
+      to->add(path, *link);
       return 0;
     };
-    return H5Literate(group, index, H5_ITER_INC, nullptr, add, names);
+    return H5Lvisit(group, index, H5_ITER_INC, each, &both);
   });
+  if (!listed.ok()) return listed.failure();
+  return into.objects.Check(group);
 }
 
 Result<std::vector<std::string>> AttributeNames(hid_t object) {
@@ -168,7 +226,7 @@ Result<std::vector<std::string>> AttributeNames(hid_t object) {
   const Handle plist(type == H5I_DATASET ? H5Dget_create_plist(object) : H5Gget_create_plist(object));
   unsigned order = 0;
   H5Pget_attr_creation_order(plist.id(), &order);
-  return Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, void* names) {
+  return Names((order & H5P_CRT_ORDER_TRACKED) != 0, [&](H5_index_t index, std::vector<std::string>* names) {
     const auto add = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
       static_cast<std::vector<std::string>*>(out)->emplace_back(name);
       return 0;
@@ -177,12 +235,30 @@ Result<std::vector<std::string>> AttributeNames(hid_t object) {
   });
 }
 
-std::vector<std::size_t> Shape(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset));
+Result<Space> SpaceOf(hid_t object, const std::string& name) {
+  const Handle space(H5Iget_type(object) == H5I_ATTR ? H5Aget_space(object) : H5Dget_space(object));
   const int rank = H5Sget_simple_extent_ndims(space.id());
-  std::vector<hsize_t> extents(static_cast<std::size_t>(std::max(rank, 0)));
-  if (!extents.empty()) H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr);
-  return {extents.begin(), extents.end()};
+  const hssize_t points = H5Sget_simple_extent_npoints(space.id());
+  if (!space.valid() || rank < 0 || points < 0) return LastError(fmt::format("{} has no readable extent", name));
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank)), most(extents.size());
+  if (rank > 0 && H5Sget_simple_extent_dims(space.id(), extents.data(), most.data()) != rank)
+    return LastError(fmt::format("{} has no readable extent", name));
+  Space read{.shape = {extents.begin(), extents.end()}};
+  if (H5Sget_simple_extent_type(space.id()) == H5S_NULL) read.shape = {0};
+  const bool empty = std::ranges::count(read.shape, 0U) > 0;
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    if (extents[i] > most[i])
+      return BadData(fmt::format("{} has extents {}, of which at most {} are possible: the file is damaged", name,
+                                 fmt::join(extents, " x "), fmt::join(most, " x ")));
+    read.may_grow_to_a_limit |= extents[i] < most[i] && most[i] != H5S_UNLIMITED;
+  }
+  for (const std::size_t extent : read.shape) {
+    if (__builtin_mul_overflow(read.count, empty ? std::min<std::size_t>(extent, 1) : extent, &read.count))
+      return BadData(fmt::format("{} has extents {}, more than can be counted", name, fmt::join(read.shape, " x ")));
+  }
+  if (read.count != static_cast<std::size_t>(points))
+    return BadData(fmt::format("{} has extents {}, but {} values", name, fmt::join(read.shape, " x "), points));
+  return read;
 }
 
 void* MemoryFile::Resize(void*, std::size_t bytes, H5FD_file_image_op_t, void* self) {

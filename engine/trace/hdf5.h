@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -77,13 +78,24 @@ Result<Handle> OpenGroup(hid_t location, const std::string& path);
 /// `shown` is how messages name it, if not by `path`.
 Result<Handle> OpenDataset(hid_t location, const std::string& path, const std::string& shown = {});
 
-/// Names of the links in a group: as they were written if the file kept that order, else sorted.
+/// Names of the links in a group: as they were written if the file kept that order, else sorted. Failure: a name stands
+/// there twice, or an object has more names than it counts itself: then some name leads to the numbers of another.
 Result<std::vector<std::string>> LinkNames(hid_t group);
-/// Names of the attributes of an object, in the same manner.
+/// The links of a group and of all groups in it, with what the same failures mean there. `add`: called with the path,
+/// without a slash in front, and the link.
+Status VisitLinks(hid_t group, const std::function<void(const char* path, const H5L_info_t& link)>& add);
+/// Names of the attributes of an object, in the manner of LinkNames().
 Result<std::vector<std::string>> AttributeNames(hid_t object);
 
-/// The extents of a dataset, slowest first; empty for a scalar.
-std::vector<std::size_t> Shape(hid_t dataset);
+/// The dataspace of a dataset or an attribute.
+struct Space {
+  std::vector<std::size_t> shape;    // slowest first; empty for a single value, one extent of 0 where there is none
+  std::size_t count = 1;             // of values
+  bool may_grow_to_a_limit = false;  // some extent is below its maximum, which is not "unlimited"
+};
+/// Failure: the extents cannot be read, are above their own maximum, or give another number of values than the library
+/// counts. Older files have no checksum over them.
+Result<Space> SpaceOf(hid_t object, const std::string& name);
 
 // --- writing: a file that lives in memory. Equal calls give equal bytes: no object times, fixed format version. ---
 

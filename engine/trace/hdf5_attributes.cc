@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "trace/hdf5_apart.h"
+#include "trace/hdf5_values.h"
 
 namespace dynoproof::trace::hdf5 {
 namespace {
@@ -79,7 +80,9 @@ Result<std::string> ReadString(hid_t file_type, const std::string& what, Read re
 
 Result<std::string> ReadText(hid_t dataset, const std::string& name) {
   const Handle type(H5Dget_type(dataset));
-  if (H5Tget_class(type.id()) != H5T_STRING || !Shape(dataset).empty()) {
+  const Result<Space> space = SpaceOf(dataset, fmt::format("dataset \"{}\"", name));
+  if (!space.ok()) return space.failure();
+  if (H5Tget_class(type.id()) != H5T_STRING || !space->shape.empty()) {
     return BadData(fmt::format("dataset \"{}\" is not one text", name));
   }
   return ReadString(type.id(), fmt::format("dataset \"{}\"", name), [&](hid_t memory_type, void* out) {
@@ -93,12 +96,15 @@ Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
   const auto broken = [&] { return LastError(fmt::format("attribute \"{}\" cannot be read", name)); };
   const Handle attribute(exists < 0 ? H5I_INVALID_HID : H5Aopen(object, name.c_str(), H5P_DEFAULT));
   if (!attribute.valid()) return broken();
-  const Handle space(H5Aget_space(attribute.id()));
+  const Result<Space> space = SpaceOf(attribute.id(), fmt::format("attribute \"{}\"", name));
+  if (!space.ok()) return space.failure();
   const Handle type(H5Aget_type(attribute.id()));
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  if (!space.valid() || !type.valid() || count < 0) return broken();
-  if (count != 1) return Attribute{};
-  switch (H5Tget_class(type.id())) {
+  if (!type.valid()) return broken();
+  if (space->count != 1) return Attribute(Other{space->count});
+  const H5T_class_t type_class = H5Tget_class(type.id());
+  if ((type_class == H5T_INTEGER || type_class == H5T_FLOAT) && !IsUsual(type.id()))
+    return BadData(fmt::format("attribute \"{}\" is a number of an unusual form", name));
+  switch (type_class) {
     case H5T_STRING: {
       Result<std::string> text =
           ReadString(type.id(), fmt::format("attribute \"{}\"", name),
@@ -117,19 +123,22 @@ Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
       return Attribute(value);
     }
     default:
-      return Attribute{};
+      return Attribute(Other{1});
   }
 }
 
 Result<std::vector<double>> ReadNumbers(hid_t object, const std::string& name) {
   const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT));
-  const Handle space(H5Aget_space(attribute.id())), type(H5Aget_type(attribute.id()));
+  const Result<Space> space = SpaceOf(attribute.id(), fmt::format("attribute \"{}\"", name));
+  if (!space.ok()) return space.failure();
+  const Handle type(H5Aget_type(attribute.id()));
   const H5T_class_t type_class = H5Tget_class(type.id());
   if (type_class != H5T_INTEGER && type_class != H5T_FLOAT) return std::vector<double>();
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  constexpr hssize_t kMost = 1 << 16;  // attributes are short
-  std::vector<double> values(static_cast<std::size_t>(std::clamp<hssize_t>(count, 0, kMost)));
-  if (count < 0 || count > kMost || (count > 0 && H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0))
+  if (!IsUsual(type.id())) return BadData(fmt::format("attribute \"{}\" holds numbers of an unusual form", name));
+  constexpr std::size_t kMost = 1 << 16;  // attributes are short
+  if (space->count > kMost) return BadData(fmt::format("attribute \"{}\" has {} numbers", name, space->count));
+  std::vector<double> values(space->count);
+  if (!values.empty() && H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0)
     return LastError(fmt::format("attribute \"{}\" cannot be read", name));
   return values;
 }

@@ -114,8 +114,7 @@ class Reader {
   }
 
   /// How a dataset lies: signals and samples. Failure: it has more than two dimensions.
-  static Status Lay(Planned& planned) {
-    std::vector<std::size_t> shape = hdf5::Shape(planned.dataset.id());
+  static Status Lay(Planned& planned, std::vector<std::size_t> shape) {
     const std::string extents = fmt::format("{}", fmt::join(shape, " x "));
     std::erase(shape, 1U);
     if (shape.size() > 2)
@@ -159,7 +158,9 @@ class Reader {
     planned.dataset = *std::move(dataset);
     if (!hdf5::HoldsNumbers(planned.dataset.id()))
       return Bad(fmt::format("dataset \"{}\" {}", planned.path, KindOfType(planned.dataset.id())));
-    if (Status s = Lay(planned)) return s;
+    const Result<hdf5::Space> space = hdf5::SpaceOf(planned.dataset.id(), fmt::format("dataset \"{}\"", planned.path));
+    if (!space.ok()) return space.failure();
+    if (Status s = Lay(planned, space->shape)) return s;
     if (planned.only && *planned.only >= planned.signals)
       return Bad(fmt::format("dataset \"{}\" has {} columns, there is no \"{}\"", planned.path, planned.signals, name));
     Result<hdf5::Meaning> meaning =
@@ -177,13 +178,13 @@ class Reader {
     planned.dataset = *std::move(dataset);
     const hid_t id = planned.dataset.id();
     if (!hdf5::HoldsNumbers(id)) return LeaveOut(path, KindOfType(id)), Status();
-    const Result<std::size_t> count = hdf5::CountOf(id, path);
-    if (!count.ok()) return count.failure();
-    if (*count == 0) return LeaveOut(path, "is empty"), Status();
-    if (*count == 1) return LeaveOut(path, "is a single number"), Status();
-    if (Lay(planned))
+    const Result<hdf5::Space> space = hdf5::SpaceOf(id, fmt::format("dataset \"{}\"", path));
+    if (!space.ok()) return space.failure();
+    if (space->count == 0) return LeaveOut(path, "is empty"), Status();
+    if (space->count == 1) return LeaveOut(path, "is a single number"), Status();
+    if (Lay(planned, space->shape))
       return LeaveOut(path, fmt::format("has extents {}, of which at most two may be above 1",
-                                        fmt::join(hdf5::Shape(id), " x "))),
+                                        fmt::join(space->shape, " x "))),
              Status();
     if (planned.signals > kMostSignalsOfMatrix)
       return LeaveOut(path,
@@ -301,13 +302,11 @@ Result<Listing> ListAll(hid_t file) {
   };
   if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, object, &listing, H5O_INFO_BASIC) < 0)
     return hdf5::LastError("the datasets cannot be listed");
-  const auto link = [](hid_t root, const char* name, const H5L_info_t* info, void* out) -> herr_t {
-    if (info->type == H5L_TYPE_EXTERNAL)
-      static_cast<Listing*>(out)->links_out.emplace_back("/" + std::string(name), hdf5::LinkOut(root, name));
-    return 0;
+  const auto link = [&](const char* name, const H5L_info_t& info) {
+    if (info.type == H5L_TYPE_EXTERNAL)
+      listing.links_out.emplace_back("/" + std::string(name), hdf5::LinkOut(file, name));
   };
-  if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, link, &listing) < 0)
-    return hdf5::LastError("the links cannot be listed");
+  if (Status s = hdf5::VisitLinks(file, link)) return *s;
   std::ranges::sort(listing.datasets);
   return listing;
 }

@@ -131,7 +131,7 @@ class Reader {
       const Result<Attribute> value = ReadAttribute(dataset_, attribute);
       if (!value.ok()) return value.failure();
       const auto* const text = std::get_if<std::string>(&*value);
-      if (text == nullptr && !scaled_later_ && !IsEmpty(attribute))
+      if (text == nullptr && !scaled_later_ && *value != Attribute(Other{0}))
         return Bad(name_, attribute,
                    "is not one text: which unit the numbers have cannot be told. Say in a map what they are, or store "
                    "one unit");
@@ -158,13 +158,6 @@ class Reader {
                                fmt::join(*numbers, ", ")));
     }
     return {};
-  }
-
-  /// Whether an attribute is there and holds nothing.
-  bool IsEmpty(const std::string& attribute) const {
-    const Handle opened(H5Aopen(dataset_, attribute.c_str(), H5P_DEFAULT));
-    const Handle space(H5Aget_space(opened.id()));
-    return H5Sget_simple_extent_npoints(space.id()) == 0;
   }
 
   Result<std::vector<double>> Some(const std::string& attribute) {

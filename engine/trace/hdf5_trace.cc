@@ -54,7 +54,9 @@ class Reader {
 
  private:
   Result<std::vector<double>> ReadVector(hid_t dataset, const std::string& shown, const hdf5::Meaning& meaning) {
-    const std::vector<std::size_t> shape = hdf5::Shape(dataset);
+    const Result<hdf5::Space> space = hdf5::SpaceOf(dataset, fmt::format("dataset \"{}\"", shown));
+    if (!space.ok()) return space.failure();
+    const std::vector<std::size_t>& shape = space->shape;
     if (shape.size() != 1) return Bad(fmt::format("dataset \"{}\" has rank {}, it must be 1", shown, shape.size()));
     constexpr std::size_t kMost = hdf5::kMostBytes / sizeof(double);
     if (shape[0] <= kMost && (values_ += shape[0]) > kMost)  // one that is larger by itself is refused on reading
@@ -107,7 +109,7 @@ class Reader {
     if (!nominal.ok()) return nominal.failure();
     if (const auto* real = std::get_if<double>(&*nominal)) signal.nominal = *real;
     if (const auto* integer = std::get_if<std::int64_t>(&*nominal)) signal.nominal = static_cast<double>(*integer);
-    if (std::holds_alternative<std::string>(*nominal)) {
+    if (std::holds_alternative<std::string>(*nominal) || std::holds_alternative<hdf5::Other>(*nominal)) {
       return Bad(fmt::format("dataset \"{}\": attribute \"nominal\" is not a number", path));
     }
     std::string interpolation{ToText(signal.interpolation)};
@@ -135,7 +137,7 @@ class Reader {
   static Status ReadTextAttribute(hid_t object, const std::string& path, const std::string& name, std::string& text) {
     const Result<hdf5::Attribute> value = hdf5::ReadAttribute(object, name);
     if (!value.ok()) return Bad(fmt::format("dataset \"{}\": {}", path, value.failure().message));
-    if (std::holds_alternative<std::monostate>(*value)) return {};
+    if (std::holds_alternative<std::monostate>(*value) || *value == hdf5::Attribute(hdf5::Other{0})) return {};
     if (const auto* found = std::get_if<std::string>(&*value)) {
       text = *found;
       return {};

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "trace/hdf5.h"
@@ -29,15 +31,27 @@ using hdf5::Handle;
 
 Failure Bad(std::string message) { return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2}; }
 
-/// The text of an attribute; "" where there is none.
+/// The text of an attribute; "" where there is none. Failure: it is no text.
 Result<std::string> TextOf(hid_t object, const std::string& name) {
   const Result<hdf5::Attribute> value = hdf5::ReadAttribute(object, name);
   if (!value.ok()) return value.failure();
+  if (std::holds_alternative<std::monostate>(*value)) return std::string();
   const auto* const text = std::get_if<std::string>(&*value);
-  return text != nullptr ? *text : std::string();
+  if (text == nullptr) return Bad(fmt::format("attribute \"{}\" is not one text", name));
+  return *text;
 }
 
 bool Has(hid_t object, const char* attribute) { return H5Aexists(object, attribute) > 0; }
+
+/// The order of bytes that the text in front of the file says it was written in; H5T_ORDER_NONE where there is no such.
+H5T_order_t OrderOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string header(128, '\0');
+  if (!file.read(header.data(), static_cast<std::streamsize>(header.size()))) return H5T_ORDER_NONE;
+  return header.ends_with(std::string_view("\x00\x02IM", 4))   ? H5T_ORDER_LE
+         : header.ends_with(std::string_view("\x02\x00MI", 4)) ? H5T_ORDER_BE
+                                                               : H5T_ORDER_NONE;
+}
 
 /// Whether numbers are stored as their class in MATLAB is. Nothing else in such a file vouches for the description of
 /// a type, and a changed bit in it makes whole numbers out of the bits of others.
@@ -53,7 +67,7 @@ bool IsOfClass(hid_t type, const std::string& class_name) {
 }
 
 /// Why a dataset is no column; "" if it may be one.
-Result<std::string> WhyNot(hid_t dataset) {
+Result<std::string> WhyNot(hid_t dataset, H5T_order_t order) {
   const Result<std::string> class_name = TextOf(dataset, "MATLAB_class");
   if (!class_name.ok()) return class_name.failure();
   static constexpr const char* kNumbers[] = {"",      "double", "single", "logical", "int8",  "uint8",
@@ -67,7 +81,8 @@ Result<std::string> WhyNot(hid_t dataset) {
     const Result<hdf5::Attribute> empty = hdf5::ReadAttribute(dataset, "MATLAB_empty");
     if (!empty.ok()) return empty.failure();
     const auto* const value = std::get_if<std::int64_t>(&*empty);
-    if (value != nullptr && *value != 0) return std::string("is empty");
+    if (value == nullptr) return Bad("attribute \"MATLAB_empty\" is not one whole number");
+    if (*value != 0) return std::string("is empty");
   }
   const Handle type(H5Dget_type(dataset));
   switch (H5Tget_class(type.id())) {
@@ -75,6 +90,8 @@ Result<std::string> WhyNot(hid_t dataset) {
     case H5T_FLOAT:
       if (!class_name->empty() && !IsOfClass(type.id(), *class_name))
         return Bad(fmt::format("its numbers are not stored as the class \"{}\" is, which it names", *class_name));
+      if (order != H5T_ORDER_NONE && H5Tget_size(type.id()) > 1 && H5Tget_order(type.id()) != order)
+        return Bad("its numbers are not in the order of bytes that the head of the file names");
       return std::string();
     case H5T_STRING:
       return std::string(kIsText);
@@ -89,20 +106,24 @@ Result<std::string> WhyNot(hid_t dataset) {
   }
 }
 
-Result<Matrix> ReadDataset(hid_t file, const std::string& name, std::size_t& values) {
+Result<Matrix> ReadDataset(hid_t file, H5T_order_t order, const std::string& name, std::size_t& values) {
   Matrix matrix{.name = name};
   const Result<Handle> dataset = hdf5::OpenDataset(file, name);
   if (!dataset.ok()) return dataset.failure();
-  Result<std::string> why = WhyNot(dataset->id());
+  Result<std::string> why = WhyNot(dataset->id(), order);
   if (!why.ok()) return Bad(fmt::format("variable \"{}\": {}", name, why.failure().message));
   matrix.why_not = *std::move(why);
   if (!matrix.why_not.empty()) return matrix;
-  matrix.extents = hdf5::Shape(dataset->id());
+  const Result<hdf5::Space> space = hdf5::SpaceOf(dataset->id(), fmt::format("variable \"{}\"", name));
+  if (!space.ok()) return space.failure();
+  // Nobody writes such a variable, and nothing else in the file vouches for its extents.
+  if (space->may_grow_to_a_limit)
+    return Bad(fmt::format("variable \"{}\" has extents {}, which are not those that it was given", name,
+                           fmt::join(space->shape, " x ")));
+  matrix.extents = space->shape;
   std::ranges::reverse(matrix.extents);
   if (std::ranges::count_if(matrix.extents, [](std::size_t n) { return n > 1; }) > 2) return matrix;  // never a column
-  const Result<std::size_t> count = hdf5::CountOf(dataset->id(), name);
-  if (!count.ok()) return count.failure();
-  values += std::min(*count, hdf5::kMostBytes);
+  values += std::min(space->count, hdf5::kMostBytes);
   if (values > hdf5::kMostBytes / sizeof(double))
     return Bad(fmt::format("variable \"{}\" is the one with which there are more than {} values", name,
                            hdf5::kMostBytes / sizeof(double)));
@@ -114,7 +135,7 @@ Result<Matrix> ReadDataset(hid_t file, const std::string& name, std::size_t& val
   return matrix;
 }
 
-Result<std::vector<Matrix>> ReadAll(hid_t file) {
+Result<std::vector<Matrix>> ReadAll(hid_t file, H5T_order_t order) {
   const Result<Handle> root = hdf5::OpenGroup(file, "/");
   if (!root.ok()) return root.failure();
   const Result<std::vector<std::string>> names = hdf5::LinkNames(root->id());
@@ -134,7 +155,7 @@ Result<std::vector<Matrix>> ReadAll(hid_t file) {
         matrices.push_back({.name = name, .why_not = "is no variable"});
         break;
       default: {
-        Result<Matrix> matrix = ReadDataset(file, name, values);
+        Result<Matrix> matrix = ReadDataset(file, order, name, values);
         if (!matrix.ok()) return matrix.failure();
         matrices.push_back(*std::move(matrix));
       }
@@ -151,7 +172,7 @@ Result<std::vector<Matrix>> ReadMat73(const std::filesystem::path& path) {
     hdf5::StayInFile();
     const Result<Handle> file = hdf5::OpenFile(path.string());
     if (!file.ok()) return file.failure();
-    return ReadAll(file->id());
+    return ReadAll(file->id(), OrderOf(path));
   });
 }
 

@@ -1,11 +1,12 @@
-// One bit turned anywhere in a file: none gives other values. DYNOPROOF_BIT_FLIPS: how many bits of each file, instead of
-// the few that every build tries.
+// One bit turned anywhere in a file: none gives other values. DYNOPROOF_BIT_FLIPS: how many bits of each file, or "all",
+// instead of the few that every build tries.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/random.h"
@@ -44,14 +45,16 @@ class BitFlips : public ::testing::Test {
   void Turn(const std::string& whole, const std::string& name,
             const std::function<Result<Said>(const std::filesystem::path&)>& read, bool names_are_safe) {
     const char* const asked = std::getenv("DYNOPROOF_BIT_FLIPS");
-    const int flips = asked != nullptr ? std::atoi(asked) : 150;
+    const bool all = asked != nullptr && std::string_view(asked) == "all";
+    const int flips = all ? static_cast<int>(8 * whole.size()) : asked != nullptr ? std::atoi(asked) : 150;
     ASSERT_GT(flips, 0);
     const Result<Said> right = read(dir_.Write(name, whole));
     ASSERT_TRUE(right.ok()) << right.failure().ToString();
     ASSERT_GT(right->size(), 1U);
     std::map<std::string, int> tally;
     for (int i = 0; i < flips; ++i) {
-      const std::size_t bit = RandomBits(46, 0, static_cast<std::uint64_t>(i)) % (8 * whole.size());
+      const auto number = static_cast<std::uint64_t>(i);
+      const std::size_t bit = all ? number : RandomBits(46, 0, number) % (8 * whole.size());
       std::string damaged = whole;
       damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
       const Result<Said> said = read(dir_.Write(name, damaged));

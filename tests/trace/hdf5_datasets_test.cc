@@ -8,6 +8,7 @@
 
 #include "tests/support/temp_dir.h"
 #include "tests/trace/hdf5_file.h"
+#include "tests/trace/mat_bytes.h"
 #include "trace/hdf5_record.h"
 
 namespace dynoproof::trace {
@@ -154,6 +155,30 @@ TEST_F(OtherLayout, WithoutAnyColumnEachReasonIsSaid) {
   ASSERT_FALSE(record.ok());
   EXPECT_EQ(record.failure().exit_code, 2);
   EXPECT_THAT(record.failure().message, HasSubstr("dataset \"/scalar\" is a single number"));
+}
+
+TEST_F(OtherLayout, NoDatasetGetsTheNumbersOfItsNeighbour) {
+  std::uint64_t x = 0, y = 0;
+  {
+    Hdf5File file(file_);
+    file.Group("bench");
+    file.Numbers("bench/torque_x", {1, 2, 3});
+    file.Numbers("torque_y", {4, 5, 6});
+    H5O_info_t info = {};
+    H5Oget_info_by_name2(file.id(), "bench/torque_x", &info, H5O_INFO_BASIC, H5P_DEFAULT);
+    x = info.addr;
+    H5Oget_info_by_name2(file.id(), "torque_y", &info, H5O_INFO_BASIC, H5P_DEFAULT);
+    y = info.addr;
+  }
+  std::string bytes = test::ReadBytes(file_);
+  const std::string from = test::Words({static_cast<std::uint32_t>(y), 0}),
+                    to = test::Words({static_cast<std::uint32_t>(x), 0});
+  const std::size_t at = bytes.find(from);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, from.size(), to);
+  const Result<Record> record = ReadHdf5Record(dir_.Write("damaged.h5", bytes));
+  ASSERT_FALSE(record.ok());
+  EXPECT_THAT(record.failure().message, HasSubstr("are one object, which has 1 name"));
 }
 
 }  // namespace

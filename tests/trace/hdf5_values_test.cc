@@ -227,6 +227,50 @@ TEST_F(Hdf5Values, ExtentsThatDifferFromWhatIsStoredAreAFault) {
   EXPECT_GE(found, 2u);
 }
 
+TEST_F(Hdf5Values, NoExtentPassesItsOwnMaximum) {
+  Write({.shape = {50}, .chunk = {20}});
+  std::string bytes = test::ReadBytes(file_);
+  const std::size_t at = bytes.rfind(test::Words({50, 0, 50, 0}));  // the time has the same extents
+  ASSERT_NE(at, std::string::npos);
+  for (const int extent : {51, 60}) {  // what the last piece has room for
+    bytes[at] = static_cast<char>(extent);
+    dir_.Write("x.h5", bytes);
+    EXPECT_THAT(Fault(), HasSubstr("of which at most 50 are possible")) << extent;
+  }
+}
+
+TEST_F(Hdf5Values, FiltersThatWereLeftOutAreThoseThatMayBe) {
+  // Values shuffled and packed; shuffled and with a checksum.
+  for (const bool deflate : {false, true}) {
+    {
+      Hdf5File file(file_);
+      Begin(file);
+      const hid_t plist = H5Pcreate(H5P_DATASET_CREATE);
+      const hsize_t extent = 50;
+      H5Pset_chunk(plist, 1, &extent);
+      H5Pset_shuffle(plist);
+      if (deflate) {
+        H5Pset_deflate(plist, 6);
+      } else {
+        H5Pset_fletcher32(plist);
+      }
+      const hid_t space = H5Screate_simple(1, &extent, nullptr);
+      const hid_t set = H5Dcreate2(file.id(), "signals/x", H5T_IEEE_F64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT);
+      H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, Wave(50).data());
+      H5Dclose(set);
+      H5Sclose(space);
+      H5Pclose(plist);
+    }
+    ASSERT_TRUE(ReadTrace(file_).ok());
+    std::string bytes = test::ReadBytes(file_);
+    const std::size_t tree = bytes.find(std::string("TREE\x01", 5));
+    ASSERT_NE(tree, std::string::npos);
+    bytes[tree + 28] = '\x01';
+    dir_.Write("x.h5", bytes);
+    EXPECT_THAT(Fault(), HasSubstr("only some of its 2 filters were applied"));
+  }
+}
+
 TEST_F(Hdf5Values, TypesThatNoProgramWritesAreRefused) {
   // Of 32 bits with an exponent of IEEE 754 but another bias: a changed bit in the type's description.
   const hid_t odd = H5Tcopy(H5T_IEEE_F32LE), narrow = H5Tcopy(H5T_STD_I32LE);

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <fstream>
 #include <map>
+#include <vector>
 
 #include "tests/support/temp_dir.h"
 #include "tests/trace/hdf5_file.h"
@@ -113,6 +115,149 @@ TEST_F(Mat73, WhatTheFileDoesNotHoldIsRefused) {
   EXPECT_EQ(record.failure().exit_code, 2);
   EXPECT_EQ(record.failure().signal, file_.string());
   EXPECT_THAT(record.failure().message, HasSubstr("\"x\" is incomplete: 3 of its 10 pieces"));
+}
+
+/// The place of what stands in the file as "n, m, n, m": the extents of a dataset and the most that they may become.
+std::size_t ExtentsIn(const std::string& bytes, std::uint64_t n, std::uint64_t m) {
+  return bytes.find(test::Raw(std::vector<std::uint64_t>{n, m, n, m}));
+}
+
+TEST_F(Mat73, ExtentsAreThoseThatTheVariableWasGiven) {
+  for (const std::vector<hsize_t>& chunk : {std::vector<hsize_t>{}, std::vector<hsize_t>{1, 40}}) {
+    {
+      Hdf5File file(file_, kUserBlock);
+      file.Numbers("x", test::Wave(101), {.shape = {1, 101}, .chunk = chunk, .deflate = !chunk.empty()});
+      file.Text("x", "MATLAB_class", "double");
+    }
+    ASSERT_TRUE(Read().ok());
+    const std::string whole = test::ReadBytes(file_);
+    const std::size_t at = ExtentsIn(whole, 1, 101);
+    ASSERT_NE(at, std::string::npos);
+    // Within the last piece, so that the count of pieces does not tell; and fewer than there are, down to none.
+    for (const int extent : {117, 103, 100, 97, 0}) {
+      std::string bytes = whole;
+      bytes[at + 8] = static_cast<char>(extent);
+      const Result<Record> record = ReadMat(dir_.Write("damaged.mat", bytes));
+      ASSERT_FALSE(record.ok()) << extent;
+      EXPECT_EQ(record.failure().exit_code, 2);
+      EXPECT_THAT(record.failure().message, HasSubstr("variable \"x\" has extents")) << extent;
+    }
+  }
+}
+
+TEST_F(Mat73, AnUnlimitedExtentIsNoFault) {
+  {
+    Hdf5File file(file_, kUserBlock);
+    const hid_t plist = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t now = 3, most = H5S_UNLIMITED, chunk = 2;
+    H5Pset_chunk(plist, 1, &chunk);
+    const hid_t space = H5Screate_simple(1, &now, &most);
+    const hid_t set = H5Dcreate2(file.id(), "x", H5T_IEEE_F64LE, space, H5P_DEFAULT, plist, H5P_DEFAULT);
+    const double values[] = {1, 2, 3};
+    H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Pclose(plist);
+  }
+  const Result<Record> record = Read();
+  ASSERT_TRUE(record.ok()) << record.failure().ToString();
+  EXPECT_THAT(Values(*record, "x"), ElementsAre(1, 2, 3));
+}
+
+TEST_F(Mat73, NoVariableGetsTheNumbersOfItsNeighbour) {
+  std::uint64_t a = 0, b = 0;
+  {
+    Hdf5File file(file_, kUserBlock);
+    file.Numbers("torque_a", {1, 2, 3});
+    file.Numbers("torque_b", {4, 5, 6});
+    H5O_info_t info = {};
+    H5Oget_info_by_name2(file.id(), "torque_a", &info, H5O_INFO_BASIC, H5P_DEFAULT);
+    a = info.addr;
+    H5Oget_info_by_name2(file.id(), "torque_b", &info, H5O_INFO_BASIC, H5P_DEFAULT);
+    b = info.addr;
+  }
+  ASSERT_TRUE(Read().ok());
+  const std::string whole = test::ReadBytes(file_);
+  const auto damaged = [&](const std::string& from, const std::string& to) {
+    std::string bytes = whole;
+    const std::size_t at = bytes.find(from);
+    EXPECT_NE(at, std::string::npos);
+    bytes.replace(at, from.size(), to);
+    const Result<Record> record = ReadMat(dir_.Write("damaged.mat", bytes));
+    EXPECT_FALSE(record.ok());
+    return record.ok() ? "" : record.failure().message;
+  };
+  EXPECT_THAT(damaged("torque_b", "torque_a"), HasSubstr("the name \"torque_a\" stands there twice"));
+  // A name leads to an object by its address.
+  EXPECT_THAT(damaged(test::Raw(std::vector{b}), test::Raw(std::vector{a})),
+              HasSubstr("\"torque_a\", \"torque_b\" are one object, which has 1 name"));
+}
+
+TEST_F(Mat73, ANameMoreForAnObjectIsNoFault) {
+  {
+    Hdf5File file(file_, kUserBlock);
+    file.Numbers("x", {1, 2, 3});
+    H5Lcreate_hard(file.id(), "x", file.id(), "y", H5P_DEFAULT, H5P_DEFAULT);
+  }
+  const Result<Record> record = Read();
+  ASSERT_TRUE(record.ok()) << record.failure().ToString();
+  EXPECT_EQ(Values(*record, "x"), Values(*record, "y"));
+}
+
+TEST_F(Mat73, WhatIsSaidInAnotherFormIsNotTakenAsUnsaid) {
+  for (const char* name : {"MATLAB_class", "MATLAB_empty"}) {
+    {
+      Hdf5File file(file_, kUserBlock);
+      file.Numbers("x", {1, 2, 3});
+      if (name == std::string("MATLAB_class")) {
+        file.Texts("x", name, {"double", "double"});
+      } else {
+        file.Number("x", name, {1, 1}, H5T_STD_U8LE);
+      }
+    }
+    const Result<Record> record = Read();
+    ASSERT_FALSE(record.ok());
+    EXPECT_THAT(record.failure().message, HasSubstr(name));
+  }
+}
+
+TEST_F(Mat73, BytesAreInTheOrderOfTheFile) {
+  {
+    Hdf5File file(file_, kUserBlock);
+    file.Numbers("x", {1, 2, 3});
+    file.Text("x", "MATLAB_class", "double");
+  }
+  ASSERT_TRUE(Read().ok());
+  std::string bytes = test::ReadBytes(file_);
+  const std::size_t at = bytes.find(std::string("\x11\x20\x3f\x00\x08\x00\x00\x00", 8));  // a float of 8 bytes
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 1] = '\x21';
+  Result<Record> record = ReadMat(dir_.Write("damaged.mat", bytes));
+  ASSERT_FALSE(record.ok());
+  EXPECT_THAT(record.failure().message, HasSubstr("variable \"x\": its numbers are not in the order of bytes"));
+  bytes.replace(124, 4, std::string("\x02\x00MI", 4));  // whole, from a machine of the other kind
+  record = ReadMat(dir_.Write("other.mat", bytes));
+  ASSERT_TRUE(record.ok()) << record.failure().ToString();
+  EXPECT_NE(Values(*record, "x"), (std::vector<double>{1, 2, 3}));
+}
+
+TEST_F(Mat73, APieceDoesNotSayThatItIsStoredAsItIs) {
+  {
+    Hdf5File file(file_, kUserBlock);
+    // So few numbers that deflate makes more bytes of them: enough to be taken for the numbers.
+    file.Numbers("x", test::Wave(40), {.shape = {1, 40}, .chunk = {1, 40}, .deflate = true});
+    file.Text("x", "MATLAB_class", "double");
+  }
+  ASSERT_TRUE(Read().ok());
+  std::string bytes = test::ReadBytes(file_);
+  const std::size_t tree =
+      bytes.find(std::string("TREE\x01", 5));  // the index of pieces: 24 bytes of head, size, filters
+  ASSERT_NE(tree, std::string::npos);
+  ASSERT_GT(static_cast<unsigned char>(bytes[tree + 24]) + 256 * bytes[tree + 25], 320);
+  bytes[tree + 28] = '\x01';
+  const Result<Record> record = ReadMat(dir_.Write("damaged.mat", bytes));
+  ASSERT_FALSE(record.ok());
+  EXPECT_THAT(record.failure().message, HasSubstr("nothing says that they are packed"));
 }
 
 }  // namespace
