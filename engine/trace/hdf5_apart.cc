@@ -16,6 +16,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -120,6 +121,15 @@ std::string EndOf(pid_t process, const ApartLimits& limits, int& exit_code) {
 }
 
 }  // namespace
+
+bool ReadsHere() {
+#if defined(DYNOPROOF_FUZZ)
+  static const bool here = std::getenv("DYNOPROOF_READ_APART") == nullptr;
+  return here;
+#else
+  return false;
+#endif
+}
 
 void Sender::Bytes(const void* data, std::size_t count) {
   const auto* bytes = static_cast<const char*>(data);
