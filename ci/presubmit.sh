@@ -13,6 +13,10 @@ have() {
 
 ./ci/check_layers.py
 ./ci/check_names.py
+if git grep -nE '\.dump\(' -- 'engine/*.cc' 'engine/*.h' 'reports/*.cc' 'reports/*.h' ':!engine/base/json_text.h'; then
+  echo "presubmit: dump() throws where a text is no UTF-8: take JsonText() of base/json_text.h"
+  exit 1
+fi
 if have clang-format "format"; then
   git ls-files '*.cc' '*.h' | xargs clang-format --dry-run -Werror
 fi

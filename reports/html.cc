@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "reports/packed.h"
 #include "reports/web_assets.h"
 
@@ -97,9 +98,8 @@ std::string Escape(std::string_view text) {
 }
 
 std::string ScriptData(const nlohmann::json& document) {
-  // Only strings can hold these characters, and inside strings JSON has another way to write them. Bytes that are no
-  // UTF-8 are replaced.
-  const std::string text = document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  // Only strings can hold these characters, and inside strings JSON has another way to write them.
+  const std::string text = JsonText(document);
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {

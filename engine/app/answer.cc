@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "app/app.h"
+#include "base/json_text.h"
 #include "reports/run_report.h"
 
 namespace dynoproof::app {
@@ -84,8 +85,7 @@ int FinishJson(const std::string& file, int exit) {
     nlohmann::json document = TheAnswer().document;
     document["exit"] = exit;
     document["diagnostics"] = TheAnswer().diagnostics;
-    // A name of the user's may be no UTF-8; that must not keep the document from him.
-    text = document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    text = JsonText(document, 2) + "\n";
   }
   if (file != "-") return reports::WorseExit(exit, WriteText(file, text));
   const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;

@@ -11,6 +11,7 @@
 
 #include "app/app.h"
 #include "base/atomic_file.h"
+#include "base/json_text.h"
 #include "base/text.h"
 #include "campaign/slurm.h"
 #include "campaign/summary.h"
@@ -177,8 +178,8 @@ int Finish(const SweepArguments& arguments, const campaign::Campaign& campaign, 
   const std::string again = Again(arguments);
   int exit = ExitOf(campaign, summary);
   nlohmann::json document = ToJson(campaign, summary);
-  exit = reports::WorseExit(exit,
-                            WriteText((fs::path(store.folder()) / "summary.json").string(), document.dump(2) + "\n"));
+  exit = reports::WorseExit(
+      exit, WriteText((fs::path(store.folder()) / "summary.json").string(), JsonText(document, 2) + "\n"));
   Print(arguments.common, ToTable(campaign, summary, rows->rows, again));
   Print(arguments.common,
         fmt::format("\n{:.1f} s of computing, {:.3g} ms a run, at most {:.0f} MB a worker; table: {}\n", summary.wall_s,

@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.h"
 #include "base/cpu.h"
+#include "base/json_text.h"
 #include "base/text.h"
 
 namespace dynoproof::campaign {
@@ -69,8 +70,7 @@ std::string ToLine(const Row& row) {
   json figures = json::array();
   for (const double value : row.figures) figures.push_back(std::isfinite(value) ? json(value) : json(nullptr));
   const json used = std::isfinite(row.used) ? json(row.used) : json(nullptr);
-  return json{row.run, score::ToString(row.verdict), std::move(figures), row.why, used, row.nearest}.dump(
-      -1, ' ', false, json::error_handler_t::replace);
+  return JsonText(json{row.run, score::ToString(row.verdict), std::move(figures), row.why, used, row.nearest});
 }
 
 std::optional<Row> ParseRow(std::string_view line) {
@@ -99,7 +99,8 @@ std::string RowStore::FileOf(const char* kind, Range range, const char* ending) 
 Status RowStore::Write(std::span<const Row> rows, std::span<const Cost> costs) const {
   if (rows.empty()) return {};
   const Range range{rows.front().run, rows.back().run + 1};
-  std::string text = json{{"campaign", fingerprint_}, {"cpu", CpuFeatureClass()}, {"runs", rows.size()}}.dump() + "\n";
+  std::string text =
+      JsonText(json{{"campaign", fingerprint_}, {"cpu", CpuFeatureClass()}, {"runs", rows.size()}}) + "\n";
   std::string prices = "run,wall_s,cpu_s,peak_MB\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     text += ToLine(rows[i]) + "\n";
@@ -131,7 +132,7 @@ Status RowStore::BelongsElsewhere() const {
   if (files.empty()) return {};
   const std::string text = ReadTextFile(files.front().second).value_or("");
   const json header = json::parse(text.substr(0, text.find('\n')), nullptr, false);
-  if (!header.is_object() || header.value("campaign", "") == fingerprint_) return {};
+  if (!header.is_object() || header.value("campaign", json()) == fingerprint_) return {};
   return OfAnother(files.front().second);
 }
 
@@ -150,8 +151,9 @@ Result<Rows> RowStore::Merge() const {
     std::string line;
     std::getline(lines, line);
     const json header = json::parse(line, nullptr, false);
-    if (!header.is_object() || !header.contains("cpu")) return Bad(file, "is damaged: it has no header");
-    if (header.value("campaign", "") != fingerprint_) return OfAnother(file);
+    if (!header.is_object() || !header.value("cpu", json()).is_string())
+      return Bad(file, "is damaged: it has no header");
+    if (header.value("campaign", json()) != fingerprint_) return OfAnother(file);
     classes.push_back(header["cpu"].get<std::string>());
     from.push_back(file);
     std::int64_t next = range.begin;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/atomic_file.h"
+#include "base/json_text.h"
 #include "base/text.h"
 #include "scenario/load.h"
 
@@ -44,7 +45,7 @@ SavedFits::SavedFits(std::string file, bool resume, const EstimationProblem& pro
   if (!resume) return;
   const std::optional<std::string> text = ReadTextFile(file_);
   const json saved = text ? json::parse(*text, nullptr, false) : json();
-  if (!saved.is_object() || saved.value("fingerprint", "") != fingerprint_) return;
+  if (!saved.is_object() || saved.value("fingerprint", json()) != fingerprint_) return;
   try {
     for (const auto& [stage, list] : saved.at("screening").items()) {
       std::vector<Screened> screened;
@@ -111,7 +112,7 @@ void SavedFits::Write() const {
   }
   for (const auto& [name, parameters] : optima_) saved["optima"][name] = parameters;
   // A state that cannot be written costs time later, not a result now: the result's own files report a full disk.
-  (void)WriteFileAtomically(file_, std::string_view(saved.dump()));
+  (void)WriteFileAtomically(file_, JsonText(saved));
 }
 
 }  // namespace dynoproof::diagnosis

@@ -57,6 +57,18 @@ class Presubmit(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("presubmit: ok", done.stdout)
 
+    def test_sees_json_that_throws(self):
+        self.give("clang-format", "shellcheck")
+        (self.tree / "engine/base").mkdir(parents=True)
+        self.write("engine/base/json_text.h", "return document.dump(indent);\n")
+        self.shell("git add -A")
+        self.assertEqual(self.presubmit(ci="true").returncode, 0)
+        self.write("engine/base/row.cc", "text = json{1}.dump();\n")
+        self.shell("git add -A")
+        done = self.presubmit(ci="true")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("engine/base/row.cc:1:", done.stdout)
+
     def test_sees_a_broken_script(self):
         self.give("clang-format", "shellcheck")
         self.write("ci/broken.sh", "#!/usr/bin/env bash\nif true; then\n")
