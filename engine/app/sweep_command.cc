@@ -13,6 +13,7 @@
 #include "base/atomic_file.h"
 #include "base/json_text.h"
 #include "base/text.h"
+#include "base/within.h"
 #include "campaign/slurm.h"
 #include "campaign/summary.h"
 #include "campaign/table.h"
@@ -158,7 +159,7 @@ int ExitOf(const campaign::Campaign& campaign, const campaign::Summary& summary)
     return found == summary.verdicts.end() ? std::int64_t{0} : found->second;
   };
   if (count("broken") > 0) return kBroken;
-  if (summary.failing.value() > campaign.most_failing) return kShort;
+  if (!Within(summary.failing.value(), campaign.most_failing)) return kShort;
   return count("inconclusive") > 0 ? kUndecided : kGood;
 }
 

@@ -8,14 +8,17 @@ void FigureSpec::Check(Faults& faults) const {
   if (of.empty() == from.empty()) faults.At("of", "a figure needs exactly one of \"of\" and \"from\"");
   if (of.empty() != take.empty())
     faults.At("take", of.empty() ? "belongs to \"of\"" : "is missing: what is taken of the signal?", "take = \"peak\"");
-  if (at_least > at_most) faults.At("at_least", "no number is at least this and at most that");
+  if (!(at_least <= at_most))  // NaN: is a fault
+    faults.At("at_least", "no number is at least this and at most that");
 }
 
 std::string FigureSpec::Fault(const std::string& name, double value) const {
   if (!limited()) return "";
   if (!std::isfinite(value)) return fmt::format("{} has no value", name);
-  if (value < at_least) return fmt::format("{} is {:.6g}, at least {:.6g} is asked for", name, value, at_least);
-  if (value > at_most) return fmt::format("{} is {:.6g}, at most {:.6g} is allowed", name, value, at_most);
+  if (!(value >= at_least))  // NaN: is a fault
+    return fmt::format("{} is {:.6g}, at least {:.6g} is asked for", name, value, at_least);
+  if (!(value <= at_most))  // NaN: is a fault
+    return fmt::format("{} is {:.6g}, at most {:.6g} is allowed", name, value, at_most);
   return "";
 }
 

@@ -17,6 +17,8 @@
 #include <limits>
 #include <new>
 
+#include "base/within.h"
+
 namespace dynoproof::campaign {
 namespace {
 
@@ -264,7 +266,7 @@ class Workers {
     if (campaign_.most_seconds <= 0.0) return;
     for (Worker& worker : workers_) {
       const int together = worker.one_by_one ? 1 : campaign_.subject->batch();
-      if (worker.too_long || SecondsSince(worker.last) < together * campaign_.most_seconds) continue;
+      if (worker.too_long || Within(SecondsSince(worker.last), together * campaign_.most_seconds)) continue;
       worker.too_long = true;
       kill(worker.process, SIGKILL);
     }

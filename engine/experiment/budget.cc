@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "base/subnormals.h"
+#include "base/within.h"
 #include "model/section.h"
 #include "sim/simulate.h"
 #include "sim/solver.h"
@@ -161,7 +162,7 @@ std::vector<score::Check> JudgeBudget(const Budget& budget, const Timing& timing
     check.at_least = at_least;
     check.unit = unit;
     check.origin = "[budget] of the scenario";
-    const bool held = std::isfinite(value) && (at_least ? value >= limit : value <= limit);
+    const bool held = at_least ? Reaches(value, limit) : Within(value, limit);
     check.verdict = tail && !timing.fitness.fit() ? score::Verdict::kInconclusive
                     : held                        ? score::Verdict::kPass
                                                   : score::Verdict::kFail;

@@ -9,6 +9,7 @@
 
 #include "base/atomic_file.h"
 #include "base/text.h"
+#include "base/within.h"
 #include "experiment/measured_record.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -108,9 +109,10 @@ void AllowOtherSolver(double distance, const std::string& own, const std::string
     return;
   }
   const double wide = kRoom * distance;
-  tolerance.other_solver_width = wide > tolerance.relative_width ? RoundedUp(wide) : tolerance.relative_width;
+  const bool wider = !Within(wide, tolerance.relative_width);
+  tolerance.other_solver_width = wider ? RoundedUp(wide) : tolerance.relative_width;
   tolerance.other_solver_origin =
-      wide > tolerance.relative_width
+      wider
           ? fmt::format("`{}` was {:.2g} of the nominal from `{}` when blessed, times {:g} for other steps elsewhere",
                         other, distance, own, kRoom)
           : fmt::format("`{}` was {:.2g} of the nominal from `{}` when blessed: no more room than for the same solver",

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/within.h"
 #include "score/explain.h"
 
 namespace dynoproof {
@@ -15,7 +16,7 @@ std::string Why(const score::Series& reference, const score::Series& test, doubl
   std::size_t first = aligned.test.size(), worst = 0;
   for (std::size_t i = 0; i < aligned.test.size(); ++i) {
     const double error = std::abs(aligned.test[i] - reference.values[i]);
-    if (error > threshold && first == aligned.test.size() && reference.time_s[i] >= from_s) first = i;
+    if (!Within(error, threshold) && first == aligned.test.size() && reference.time_s[i] >= from_s) first = i;
     if (error > std::abs(aligned.test[worst] - reference.values[worst])) worst = i;
   }
   if (first == aligned.test.size()) first = worst;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/within.h"
 #include "score/ranks.h"
 #include "score/series.h"
 
@@ -51,9 +52,9 @@ void Segment(std::span<const double> values, std::size_t first, const NoiseOptio
   const Split split = Clearest(ranks, options.least);
   if (split.at == 0) return;
   const double before = Median(values.first(split.at)), after = Median(values.subspan(split.at));
-  if (!(std::abs(after - before) >= options.relevant * std::abs(before))) return;
+  if (std::abs(after - before) < options.relevant * std::abs(before)) return;  // NaN: a change
   const double p = PermutationP(ranks, split.statistic, options, random);
-  if (p > options.alpha) return;
+  if (p > options.alpha) return;  // NaN: a change
   Segment(values.first(split.at), first, options, random, changes);
   changes.push_back({first + split.at, before, after, p});
   Segment(values.subspan(split.at), first + split.at, options, random, changes);
@@ -73,7 +74,7 @@ std::vector<LevelChange> NoisyChanges(std::span<const double> values, const Nois
     changes[i].after = Median(values.subspan(changes[i].at, to - changes[i].at));
   }
   std::erase_if(changes, [&options](const LevelChange& change) {
-    return std::abs(change.after - change.before) < options.relevant * std::abs(change.before);
+    return std::abs(change.after - change.before) < options.relevant * std::abs(change.before);  // NaN: stays
   });
   return changes;
 }
@@ -84,14 +85,14 @@ bool CanDecide(std::size_t count, const NoiseOptions& options) {
   // size.
   const double n = static_cast<double>(count), k = static_cast<double>(options.least);
   const double log_choices = std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
-  return 2.0 * std::exp(-log_choices) <= options.alpha;
+  return Within(2.0 * std::exp(-log_choices), options.alpha);
 }
 
 std::vector<LevelChange> ExactChanges(std::span<const double> values, double relevant) {
   std::vector<LevelChange> changes;
   std::size_t first = 0;
   for (std::size_t i = 1; i < values.size(); ++i) {
-    if (std::abs(values[i] - values[first]) <= relevant) continue;
+    if (Within(std::abs(values[i] - values[first]), relevant)) continue;
     changes.push_back({i, values[first], values[i], 0.0});
     first = i;
   }

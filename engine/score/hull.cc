@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/within.h"
 #include "score/sliding.h"
 
 namespace dynoproof::score {
@@ -153,15 +154,16 @@ HullError CompareHulls(const HullCurve& reference, const HullCurve& test, const 
       error.global = gap / error.largest_half_height;
       error.global_time_s = reference.time_s[i];
     }
-    if (half_height >= limits.significant * error.largest_half_height && gap / half_height > error.local) {
+    const double significant = limits.significant * error.largest_half_height;
+    if (half_height >= significant && gap / half_height > error.local) {  // NaN: AlignTo() has refused it
       error.local = gap / half_height;
       error.local_time_s = reference.time_s[i];
     }
   }
-  if (!(error.global <= limits.global)) {
+  if (!Within(error.global, limits.global)) {
     error.reason = fmt::format("hull off by {:.3g} % of the largest at {:.6g} s, {:.3g} % allowed",
                                100.0 * error.global, error.global_time_s, 100.0 * limits.global);
-  } else if (limits.local > 0.0 && !(error.local <= limits.local)) {
+  } else if (limits.local > 0.0 && !Within(error.local, limits.local)) {
     error.reason = fmt::format("hull off by {:.3g} % of its own height at {:.6g} s, {:.3g} % allowed",
                                100.0 * error.local, error.local_time_s, 100.0 * limits.local);
   } else {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/within.h"
+
 namespace dynoproof::score {
 namespace {
 
@@ -56,7 +58,7 @@ NrmseResult Nrmse(const Series& reference, const Series& test, const NrmseOption
   result.max_error_time_s = errors.max_time_s;
   if (IsConstant(reference.values)) {
     const double allowed = options.constant_limit * options.nominal;
-    if (allowed > 0.0 && errors.max <= allowed) {
+    if (allowed > 0.0 && Within(errors.max, allowed)) {
       result.verdict = Verdict::kPass;
     } else {
       result.reason = fmt::format(
@@ -66,7 +68,7 @@ NrmseResult Nrmse(const Series& reference, const Series& test, const NrmseOption
     return result;
   }
   result.nrmse = errors.rms / StandardDeviation(reference.values);
-  if (*result.nrmse <= options.limit) {
+  if (Within(*result.nrmse, options.limit)) {
     result.verdict = Verdict::kPass;
   } else {
     result.reason = fmt::format("NRMSE {:.6g} exceeds {:.6g}; largest error {:.6g} at {:.6g} s", *result.nrmse,
@@ -95,7 +97,7 @@ MaxErrorResult MaxError(const Series& reference, const Series& test, double nomi
   const Errors errors = ErrorsOf(reference, aligned.test);
   result.relative_error = errors.max / nominal;
   result.time_s = errors.max_time_s;
-  if (result.relative_error <= limit) {
+  if (Within(result.relative_error, limit)) {
     result.verdict = Verdict::kPass;
   } else {
     result.reason = fmt::format("largest error {:.6g} of the nominal at {:.6g} s, {:.6g} allowed",

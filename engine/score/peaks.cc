@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/within.h"
+
 namespace dynoproof::score {
 namespace {
 
@@ -171,7 +173,7 @@ PeakComparison ComparePeaks(const PeakList& found, std::span<const ExpectedPeak>
     out.matches.push_back({expected[i], std::nullopt, {}});
     for (std::size_t j = 0; j < found.peaks.size(); ++j) {
       const double distance = RelativeError(found.peaks[j].frequency_hz, expected[i].frequency_hz);
-      if (found.peaks[j].kind == expected[i].kind && distance <= limits.search) pairs.push_back({distance, i, j});
+      if (found.peaks[j].kind == expected[i].kind && Within(distance, limits.search)) pairs.push_back({distance, i, j});
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.distance < b.distance; });

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/within.h"
+
 namespace dynoproof::score {
 namespace {
 
@@ -78,7 +80,7 @@ Check AtLeast(std::string name, std::string kind, double value, double limit, st
   if (!std::isfinite(value) || !std::isfinite(limit)) {
     check.verdict = Verdict::kFail;
     check.explanation = NotANumber(value, limit);
-  } else if (value < limit) {
+  } else if (!Reaches(value, limit)) {
     check.verdict = Verdict::kFail;
     if (check.explanation.empty()) check.explanation = fmt::format("{:.6g} falls short of {:.6g}", value, limit);
   }
@@ -93,7 +95,7 @@ Check ToCheck(const Outcome& outcome, std::string name, std::string kind, double
   if (!std::isfinite(value) || !std::isfinite(limit)) {
     check.verdict = Verdict::kFail;
     check.explanation = NotANumber(value, limit);
-  } else if (value > limit) {
+  } else if (!Within(value, limit)) {
     check.verdict = Verdict::kFail;
     if (check.explanation.empty()) check.explanation = fmt::format("{:.6g} exceeds {:.6g}", value, limit);
   }

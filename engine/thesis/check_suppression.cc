@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/within.h"
+
 namespace dynoproof {
 namespace {
 
@@ -24,7 +26,7 @@ score::Check Judge(std::string name, const char* kind, double value, double limi
   check.limit = limit;
   check.unit = std::move(unit);
   check.origin = origin;
-  check.verdict = std::isfinite(value) && value <= limit ? score::Verdict::kPass : score::Verdict::kFail;
+  check.verdict = Within(value, limit) ? score::Verdict::kPass : score::Verdict::kFail;
   if (check.verdict != score::Verdict::kPass) check.explanation = std::move(explanation);
   return check;
 }

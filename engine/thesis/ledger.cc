@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/within.h"
 #include "scenario/load.h"
 #include "thesis/studies.h"
 
@@ -90,8 +91,9 @@ class Rules {
 };
 
 bool Holds(const Claim& claim, double ours) {
-  if (claim.HasLimits()) return !(ours < claim.at_least) && !(ours > claim.at_most);
-  return std::abs(ours - claim.Reference()) <= claim.allowed;
+  if (claim.HasLimits())
+    return !(ours < claim.at_least) && !(ours > claim.at_most);  // NaN: a limit that is not set; ours is finite
+  return Within(std::abs(ours - claim.Reference()), claim.allowed);
 }
 
 Standing StandingOf(const Claim& claim, double ours) {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/random.h"
+#include "base/within.h"
 #include "control10k/spectrum.h"
 #include "experiment/prepare.h"
 #include "scenario/find.h"
@@ -139,7 +140,8 @@ Result<Figure> FirstRejected(const Registry&, const Value& parameters) {
     control10k::Peak peak;
     peak.bin = 2;
     peak.offset = control10k::BlackmanOffset(m[0], m[1], m[2]);
-    if (control10k::LobeMisfit(m, peak, -1) > tolerance || control10k::LobeMisfit(m, peak, 1) > tolerance) {
+    if (!Within(control10k::LobeMisfit(m, peak, -1), tolerance) ||
+        !Within(control10k::LobeMisfit(m, peak, 1), tolerance)) {
       return Figure{d, "1"};
     }
   }

@@ -358,6 +358,23 @@ TEST_F(Campaign, FindsDamagedAndContradictingRows) {
   const Outcome cut = bench_.Call({"sweep", "spread.toml", "--resume"});
   EXPECT_EQ(cut.exit, 2) << cut.Both();
   EXPECT_THAT(cut.err, HasSubstr("cut short"));
+  for (const char* wrong : {"\"cpu\":5", "\"campaign\":5"}) {  // members of another type
+    const std::string key = std::string(wrong).substr(0, std::string(wrong).size() - 1);
+    const std::size_t at = header.find(key) + key.size(), end = header.find_first_of(",}", at);
+    bench_.Write(copy, header.substr(0, at) + "5" + header.substr(end) + lines);
+    const Outcome damaged = bench_.Call({"sweep", "spread.toml", "--resume"});
+    EXPECT_EQ(damaged.exit, 2) << damaged.Both();
+    EXPECT_THAT(damaged.err, Not(HasSubstr("unexpected"))) << wrong;
+  }
+}
+
+TEST_F(Campaign, AFolderMayHaveAnyName) {
+  const std::string folder = (bench_ / "gr\xfcn").string();  // Latin-1
+  const Outcome outcome = bench_.Call({"sweep", "spread.toml", "--out", folder, "--json", folder + "/all.json"});
+  EXPECT_EQ(outcome.exit, 1) << outcome.Both();
+  for (const char* file : {"/all.json", "/spread/summary.json"}) {
+    EXPECT_TRUE(nlohmann::json::accept(ReadBytes(folder + file))) << file;
+  }
 }
 
 /// A campaign over what the stumbling plugin does.
