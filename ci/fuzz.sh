@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Every reader under libFuzzer, from the stored corpus on. ci/fuzz.sh SECONDS [READER...]; SECONDS for each, one after the
 # other. A finding ends with exit 1 and lies in out/fuzz/READER/. What was found worth keeping lies in out/fuzz/READER/corpus
-# and is where the next call goes on. Needs clang.
+# and is where the next call goes on; out/fuzz/runs has a line for each: reader, seconds, files, findings. Needs clang.
 #
 # HDF5 is read in the fuzzing process itself, where its course is seen. The library dies of damaged files, for which the
 # program has a process apart: such a file is no finding if that process makes a sentence of it.
@@ -42,17 +42,19 @@ for reader in "${readers[@]}"; do
     how=(-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeout=10)
     leaks=0 ;; # the library leaves things behind when it gives up
   esac
-  ended=0
+  ended=0 began=$(date +%s)
   TMPDIR=$scratch ASAN_OPTIONS=detect_leaks=$leaks "build-fuzz/tests/fuzz/fuzz_$reader" -max_total_time="$seconds" "${how[@]}" -rss_limit_mb=4096 \
     -max_len=16384 -artifact_prefix="$out/" -print_final_stats=1 "$out/corpus" "tests/fuzz/corpus/$reader" >"$out/log" 2>&1 ||
     ended=$?
   runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/log")
   [ -n "$runs" ] || runs=$(grep -oE '^#[0-9]+' "$out/log" | tail -n 1 | tr -d '#')
+  took=$(($(date +%s) - began))
   # Where processes may end, the exit code says only that some did.
   if [ "${runs:-0}" -eq 0 ] || { [ $leaks -eq 1 ] && [ $ended -ne 0 ]; }; then
     echo "$reader: a finding, see $out/log"
     tail -n 25 "$out/log"
     failed=1
+    echo "$reader $took ${runs:-0} 1" >>out/fuzz/runs
     continue
   fi
   # What is not sorted in as long as it took to find is left for the next call.
@@ -66,6 +68,7 @@ for reader in "${readers[@]}"; do
       found=$((found + 1))
     fi
   done < <(find "$out" -maxdepth 1 -name '*-*' -type f)
+  echo "$reader $took $runs $found" >>out/fuzz/runs
   if [ $found -gt 0 ]; then
     failed=1
   else

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""What readers of files were tried with, as counted: results.json beside this script, and the table of it in README.md.
+
+trust.py fuzz out/fuzz/runs     takes over what ci/fuzz.sh has written there: hours, files, findings of each target
+trust.py flips LOG              takes over what `DYNOPROOF_BIT_FLIPS=all trace_test --gtest_filter='BitFlips.*'` printed
+trust.py readme [--check]       writes the table into README.md; --check: ends with 1 where it is another one"""
+import json
+import pathlib
+import re
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+README = HERE.parent.parent / "README.md"
+RESULTS = HERE / "results.json"
+READERS = {"csv": "CSV, LabVIEW", "mat": "MAT v4 to v7.3", "hdf5": "HDF5: traces, files of others", "scenario": "scenarios",
+           "map": "maps of records", "golden": "golden tolerances", "campaign": "campaigns", "history": "results for the history"}
+FORMATS = {"OfACompressedMat5": ["mat"], "OfACompressedMat73": ["mat"], "OfOurTraces": ["hdf5", "hdf5"]}
+HEAD = "| reader of | stored files | fuzzed, hours | files tried | findings left | bits turned, one at a time | of these, other values |"
+
+
+def take_fuzz(lines):
+    fuzz = {}
+    for line in lines:
+        reader, seconds, files, findings = line.split()
+        one = fuzz.setdefault(reader, {"seconds": 0, "files": 0, "findings": 0})
+        for key, count in (("seconds", seconds), ("files", files), ("findings", findings)):
+            one[key] += int(count)
+    return {reader: fuzz[reader] for reader in READERS if reader in fuzz}
+
+
+def take_flips(text):
+    flips, test, seen = [], None, 0
+    for line in text.splitlines():
+        if begins := re.match(r"\[ RUN +\] BitFlips\.(\w+)", line):
+            test, seen = begins[1], 0
+        if counts := re.search(r" (\d+) bits: refused (\d+), unchanged (\d+), a name .* gone (\d+), other values (\d+)", line):
+            flips.append(dict(zip(("bits", "refused", "unchanged", "gone", "wrong"), map(int, counts.groups())),
+                              test=test, reader=FORMATS[test][seen]))
+            seen += 1
+    if sorted(one["test"] for one in flips) != sorted(name for name, of in FORMATS.items() for _ in of):
+        sys.exit("trust: the log has not every format of BitFlips.*")
+    return flips
+
+
+def number(count):
+    return f"{count:,}".replace(",", " ")
+
+
+def table(results):
+    rows = [HEAD, "|" + "---|" * HEAD.count(" | ") + "---|"]
+    for reader, name in READERS.items():
+        stored = sum(1 for _ in (HERE / "corpus" / reader).iterdir())
+        fuzz = results["fuzz"].get(reader, {"seconds": 0, "files": 0, "findings": 0})
+        flips = [one for one in results["flips"] if one["reader"] == reader]
+        bits, wrong = (sum(one[key] for one in flips) for key in ("bits", "wrong"))
+        rows.append(f"| {name} | {stored} | {fuzz['seconds'] / 3600:.1f} | {number(fuzz['files'])} | {fuzz['findings']} | "
+                    f"{number(bits) if bits else ''} | {wrong if bits else ''} |")
+    return rows
+
+
+def main(arguments):
+    if not arguments or arguments[0] not in ("fuzz", "flips", "readme"):
+        sys.exit(__doc__)
+    results = json.loads(RESULTS.read_text()) if RESULTS.exists() else {"fuzz": {}, "flips": []}
+    if arguments[0] == "readme":
+        lines = README.read_text().splitlines()
+        begin = lines.index(HEAD)
+        end = next(i for i in range(begin, len(lines)) if not lines[i].startswith("|"))
+        if "--check" in arguments:
+            wrong = [row for row in table(results) if row not in lines[begin:end]]
+            print("\n".join(["README.md has not these rows, write them by `trust.py readme`:"] + wrong) if wrong else "trust: README.md agrees")
+            sys.exit(1 if wrong or end - begin != len(table(results)) else 0)
+        README.write_text("\n".join(lines[:begin] + table(results) + lines[end:]) + "\n")
+        return
+    text = pathlib.Path(arguments[1]).read_text()
+    results[arguments[0]] = take_fuzz(text.splitlines()) if arguments[0] == "fuzz" else take_flips(text)
+    RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+
+
+main(sys.argv[1:])
