@@ -362,6 +362,11 @@ std::optional<Plan> LoadPlan(const std::string& file, const std::vector<std::str
   for (std::size_t i = 0; i < overrides.size(); ++i) {
     Override(*root, overrides[i], static_cast<int>(i) + 1, diagnostics);
   }
+  if (const Value* deep = ValueTooDeep(*root)) {
+    diagnostics.Error(deep->where(), fmt::format("more than {} tables and lists lie in one another", kMostLevels),
+                      "write them side by side");
+    return std::nullopt;
+  }
   if (!KnownFormat(*root, diagnostics)) return std::nullopt;
   return Plan{ScenarioId(file), file, std::move(*root)};
 }

@@ -23,10 +23,28 @@ std::size_t EndOfText(std::string_view toml, std::size_t begin) {
   return toml.size();
 }
 
+const Value* TooDeepIn(const Value& value, int level) {
+  if (level > kMostLevels) return &value;
+  const Value* found = nullptr;
+  if (value.is_array()) {
+    for (const Value& item : value.array()) {
+      if (found == nullptr) found = TooDeepIn(item, level + 1);
+    }
+  } else if (value.is_table()) {
+    for (const Value::Entry& entry : value.table()) {
+      if (found == nullptr) found = TooDeepIn(entry.value, level + 1);
+    }
+  }
+  return found;
+}
+
 }  // namespace
+
+const Value* ValueTooDeep(const Value& root) { return TooDeepIn(root, 0); }
 
 std::optional<int> LineTooDeep(std::string_view toml) {
   std::vector<int> outside;  // the levels around each bracket that is open
+  constexpr int kMostOfText = 2 * kMostLevels + 1;
   int level = 0, parts = 0, line = 1;
   bool after_point = false;
   for (std::size_t k = 0; k < toml.size();) {
@@ -55,7 +73,7 @@ std::optional<int> LineTooDeep(std::string_view toml) {
       parts = after_point ? parts + 1 : 1;
       after_point = false;
     }
-    if (level + parts > kMostLevels) return line;
+    if (level + parts > kMostOfText) return line;
     for (; k < end; ++k) line += toml[k] == '\n' ? 1 : 0;
   }
   return {};

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "scenario/find.h"
+#include "scenario/nesting.h"
 #include "tests/support/temp_dir.h"
 
 namespace dynoproof {
@@ -163,6 +164,31 @@ TEST(Nesting, IsRefusedWhereItIsDeepHoweverItIsWritten) {
   }
   EXPECT_NE(FaultsOf("x = 1\n", {key + "=1"}).find("lie in one another"), std::string::npos);
   EXPECT_NE(FaultsOf("x = 1\n", {"x={" + key + "=1}"}).find("lie in one another"), std::string::npos);
+}
+
+// A scenario of 52 levels by points was read, but what was written of it was not: braces counted twice.
+TEST(Nesting, IsTheSameInEachNotation) {
+  for (const int levels : {52, kMostLevels, kMostLevels + 1}) {
+    const std::string dotted = Repeated("a.", levels - 2) + "a = [1]", nested = Repeated("a = { ", levels - 2);
+    for (const std::string& text :
+         {dotted, nested + "a = [1]" + Repeated(" }", levels - 2), "[" + Repeated("a.", levels - 3) + "a]\na = [1]",
+          "a = " + Repeated("[", levels - 1) + "1" + Repeated("]", levels - 1)}) {
+      const test::TempDir folder;
+      Diagnostics diagnostics;
+      const auto plan = LoadPlan(folder.Write("a.toml", text + "\n"), {}, diagnostics);
+      ASSERT_EQ(plan.has_value(), levels <= kMostLevels) << levels << " levels of\n" << text << diagnostics.Format();
+      if (!plan) {
+        EXPECT_NE(diagnostics.Format().find("more than 100 tables and lists"), std::string::npos);
+        continue;
+      }
+      const std::string written = ToToml(plan->root);
+      const auto back = LoadPlan(folder.Write("b.toml", written), {}, diagnostics);
+      ASSERT_TRUE(back) << written << diagnostics.Format();
+      EXPECT_EQ(ToToml(back->root), written);
+    }
+    const bool refused = FaultsOf("x = 1\n", {Repeated("y.", levels - 1) + "y=1"}).find("lie in") != std::string::npos;
+    EXPECT_EQ(refused, levels > kMostLevels);
+  }
 }
 
 TEST(Nesting, IsNotCountedInTextsCommentsAndSideBySide) {
