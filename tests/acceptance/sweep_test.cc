@@ -368,13 +368,13 @@ TEST_F(Campaign, FindsDamagedAndContradictingRows) {
   }
 }
 
-TEST_F(Campaign, AFolderMayHaveAnyName) {
-  const std::string folder = (bench_ / "gr\xfcn").string();  // Latin-1
-  const Outcome outcome = bench_.Call({"sweep", "spread.toml", "--out", folder, "--json", folder + "/all.json"});
+TEST_F(Campaign, FileAndFolderMayHaveAnyName) {
+  bench_.Write("gr\xfcn.toml", kCampaign);  // Latin-1
+  const std::string folder = (bench_ / "bl\xe5").string();
+  const Outcome outcome = bench_.Call({"sweep", "gr\xfcn.toml", "--out", folder, "--json", folder + "/all.json"});
   EXPECT_EQ(outcome.exit, 1) << outcome.Both();
-  for (const char* file : {"/all.json", "/spread/summary.json"}) {
+  for (const char* file : {"/all.json", "/gr\xfcn/summary.json"})
     EXPECT_TRUE(nlohmann::json::accept(ReadBytes(folder + file))) << file;
-  }
 }
 
 /// A campaign over what the stumbling plugin does.
