@@ -53,7 +53,7 @@ def table(results):
         fuzz = results["fuzz"].get(reader, {"seconds": 0, "files": 0, "findings": 0})
         flips = [one for one in results["flips"] if one["reader"] == reader]
         bits, wrong = (sum(one[key] for one in flips) for key in ("bits", "wrong"))
-        rows.append(f"| {name} | {stored} | {fuzz['seconds'] / 3600:.1f} | {number(fuzz['files'])} | {fuzz['findings']} | "
+        rows.append(f"| {name} | {stored} | {fuzz['seconds'] / 3600:.2f} | {number(fuzz['files'])} | {fuzz['findings']} | "
                     f"{number(bits) if bits else ''} | {wrong if bits else ''} |")
     return rows
 
