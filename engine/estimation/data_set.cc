@@ -57,4 +57,18 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
   measured_ = Eigen::Map<const Eigen::VectorXd>(measured.data(), std::ssize(measured));
 }
 
+std::vector<Block> BlocksOf(const DataSet& data) {
+  constexpr Eigen::Index kBlocks = 40;
+  std::vector<Block> blocks(static_cast<std::size_t>(kBlocks) * data.records().size());
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    for (Eigen::Index b = 0; b < kBlocks; ++b) {
+      const Eigen::Index begin = channel.begin + channel.count * b / kBlocks,
+                         end = channel.begin + channel.count * (b + 1) / kBlocks;
+      blocks[channel.record * kBlocks + static_cast<std::size_t>(b)].rows.push_back({c, begin, end - begin});
+    }
+  }
+  return blocks;
+}
+
 }  // namespace dynoproof::estimation

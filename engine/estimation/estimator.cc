@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -26,7 +25,8 @@ struct Point {
 
 class Residual : public ceres::CostFunction {
  public:
-  Residual(const Hypothesis& hypothesis, const Predictor& predictor) : hypothesis_(hypothesis), predictor_(predictor) {
+  Residual(const Hypothesis& hypothesis, const Predictor& predictor, const std::optional<KnownColumns>& known)
+      : hypothesis_(hypothesis), predictor_(predictor), known_(known) {
     rows_ = predictor.data().measured().size();
     for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
       if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
@@ -99,6 +99,10 @@ class Residual : public ceres::CostFunction {
     for (Index i = 0; i < q.size(); ++i) {
       VectorXd moved = q;
       const Parameter& parameter = hypothesis_.parameters()[static_cast<std::size_t>(i)];
+      if (const std::optional<Index> column = KnownOf(parameter)) {
+        jacobian.col(i) = Known(*column, i, weighted);
+        continue;
+      }
       double step = rough_ ? parameter.rough_step : parameter.step;
       if (q[i] + step > upper[i]) step = -step;
       moved[i] += step;
@@ -115,8 +119,36 @@ class Residual : public ceres::CostFunction {
   Index rows() const { return rows_; }
 
  private:
+  /// The column of another fit for the same number.
+  std::optional<Index> KnownOf(const Parameter& parameter) const {
+    if (!known_) return std::nullopt;
+    const std::vector<Parameter>& others = known_->hypothesis->parameters();
+    const auto same = std::ranges::find(others, parameter.name, &Parameter::name);
+    return same != others.end() ? std::optional(same - others.begin()) : std::nullopt;
+  }
+
+  /// That column by the scales of this fit; `i`: of the number here.
+  VectorXd Known(Index column, Index i, const VectorXd& weighted) const {
+    const Estimate& other = *known_->estimate;
+    VectorXd rows = VectorXd::Zero(num_residuals());
+    for (std::size_t c = 0; c < scales_.size(); ++c) {
+      const Channel& channel = predictor_.data().channels()[c];
+      const double unit = other.scales[c].rms * std::sqrt(other.scales[c].correlation) /
+                          (scales_[c].rms * std::sqrt(scales_[c].correlation));
+      rows.segment(channel.begin, channel.count) =
+          unit * other.jacobian.col(column).segment(channel.begin, channel.count);
+      const auto k = static_cast<Index>(c);
+      rows[rows_ + k] = unit * unit * other.noise_slope(k, column) / std::max(weighted[rows_ + k], 1e-300);
+    }
+    for (std::size_t k = 0; k < priors_.size(); ++k) {
+      if (priors_[k] == i) rows[rows_ + std::ssize(scales_) + static_cast<Index>(k)] = 1.0;
+    }
+    return rows;
+  }
+
   const Hypothesis& hypothesis_;
   const Predictor& predictor_;
+  std::optional<KnownColumns> known_;
   Index rows_ = 0;
   bool rough_ = false;
   std::vector<Index> priors_;
@@ -157,7 +189,7 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
              const EstimatorOptions& options) {
   Estimate estimate;
   const std::int64_t before = predictor.simulations();
-  Residual residual(hypothesis, predictor);
+  Residual residual(hypothesis, predictor, options.known);
   const VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
   VectorXd q = start.cwiseMax(lower).cwiseMin(upper);
   std::optional<Point> point = residual.At(q);
@@ -237,7 +269,6 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
 }
 
 Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis) {
-  constexpr Index kBlocks = 40;  // t with 39 degrees of freedom is nearly normal
   const Eigen::MatrixXd& J = estimate.jacobian;
   const Index p = J.cols();
   if (p == 0) return {};
@@ -247,19 +278,16 @@ Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hy
     hessian(i, i) += 1.0;
     meat(i, i) += 1.0;
   }
-  // Blocks of one record and one stretch of time count as one, whatever the channel.
-  std::map<std::pair<std::size_t, Index>, VectorXd> scores;
-  for (const Channel& channel : data.channels()) {
-    for (Index b = 0; b < kBlocks; ++b) {
-      const Index begin = channel.begin + channel.count * b / kBlocks,
-                  end = channel.begin + channel.count * (b + 1) / kBlocks;
-      VectorXd& score = scores.try_emplace({channel.record, b}, VectorXd::Zero(p)).first->second;
-      score += J.middleRows(begin, end - begin).transpose() * estimate.weighted.segment(begin, end - begin) +
-               estimate.noise_slope.row(&channel - data.channels().data()).transpose() *
-                   (static_cast<double>(end - begin) / static_cast<double>(channel.count));
+  for (const Block& block : BlocksOf(data)) {
+    VectorXd score = VectorXd::Zero(p);
+    for (const Block::Rows& rows : block.rows) {
+      const Channel& channel = data.channels()[rows.channel];
+      score += J.middleRows(rows.begin, rows.count).transpose() * estimate.weighted.segment(rows.begin, rows.count) +
+               estimate.noise_slope.row(static_cast<Index>(rows.channel)).transpose() *
+                   (static_cast<double>(rows.count) / static_cast<double>(channel.count));
     }
+    meat += score * score.transpose();
   }
-  for (const auto& [block, score] : scores) meat += score * score.transpose();
   const Eigen::MatrixXd inverse = hessian.completeOrthogonalDecomposition().pseudoInverse();
   return inverse * meat * inverse;
 }

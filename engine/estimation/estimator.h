@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,10 +43,18 @@ struct Estimate {
   bool ok() const { return broken.empty(); }
 };
 
+/// Columns of the Jacobian that another fit at the same level has found, by the names of its parameters: a first look at a
+/// hypothesis then costs one simulation for each number of its own.
+struct KnownColumns {
+  const Hypothesis* hypothesis;
+  const Estimate* estimate;
+};
+
 struct EstimatorOptions {
   int iterations = 20;     // of Levenberg-Marquardt, between two renewals
   int renewals = 4;        // of s, tau and q0
   double converged = 1.0;  // change of Q: an eighth of what decides between two models
+  std::optional<KnownColumns> known = {};
 };
 
 /// Levenberg-Marquardt (Ceres) within the bounds, from `start` [parameters].

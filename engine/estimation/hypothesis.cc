@@ -6,7 +6,8 @@
 namespace dynoproof::estimation {
 namespace {
 
-constexpr double kBound = 3.0;  // deviations: 0.3 % of sound values lie beyond
+constexpr double kBound = 3.0;      // deviations: 0.3 % of sound values lie beyond
+constexpr double kReleased = 10.0;  // times a nominal value, up and down
 
 /// The smallest start that is taken for a parameter's size, of its bounds' width.
 constexpr double kLeastSize = 1e-6;
@@ -42,6 +43,14 @@ Hypothesis Hypothesis::WithFree(Parameter parameter) const {
 }
 
 Hypothesis Hypothesis::WithNominalValuesFree(const Registry& registry) const {
+  return WithNominalValues(registry, false);
+}
+
+Hypothesis Hypothesis::WithNominalValuesReleased(const Registry& registry) const {
+  return WithNominalValues(registry, true);
+}
+
+Hypothesis Hypothesis::WithNominalValues(const Registry& registry, bool released) const {
   Hypothesis more = *this;
   const PlantTraits& plant = registry.PlantOf(nominal_);
   if (!plant.nuisances) return more;
@@ -53,6 +62,13 @@ Hypothesis Hypothesis::WithNominalValuesFree(const Registry& registry) const {
     Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-3, 2e-2};
     parameter.lower = parameter.ValueAt(-kBound);
     parameter.upper = parameter.ValueAt(kBound);
+    if (released) {
+      const double far = kReleased * std::abs(value->number());
+      parameter.prior = false;
+      parameter.lower = known.relative ? std::min(value->number() / kReleased, value->number() * kReleased) : -far;
+      parameter.upper = known.relative ? std::max(value->number() / kReleased, value->number() * kReleased) : far;
+      if (!(parameter.lower < parameter.upper)) continue;
+    }
     more.Insert(more.parameters_.size(), std::move(parameter), value->number());
   }
   return more;
@@ -70,8 +86,7 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     more.parameters_.erase(more.parameters_.begin() + k);
     break;
   }
-  std::size_t at = 0;
-  for (const Applied& applied : effects_) at += applied.effect->info().parameters.size();
+  std::size_t at = more.of_effects();
   const std::vector<double> start = effect.Starts(nominal_, place, magnitudes).front();
   for (std::size_t i = 0; i < start.size(); ++i) {
     const EffectParameter& known = effect.info().parameters[i];
@@ -106,9 +121,7 @@ Eigen::VectorXd Hypothesis::upper() const {
 
 Plan Hypothesis::At(const Eigen::VectorXd& q) const {
   Plan plan = nominal_;
-  std::size_t own = 0;
-  for (const Applied& applied : effects_) own += applied.effect->info().parameters.size();
-  for (std::size_t i = own; i < parameters_.size(); ++i) {
+  for (std::size_t i = of_effects(); i < parameters_.size(); ++i) {
     Value* value = plan.root.FindPath(parameters_[i].name);
     if (value != nullptr) *value = Value(parameters_[i].ValueAt(q[static_cast<Eigen::Index>(i)]));
   }
@@ -123,6 +136,12 @@ Plan Hypothesis::At(const Eigen::VectorXd& q) const {
     applied.effect->Apply(plan, applied.place, values);
   }
   return plan;
+}
+
+std::size_t Hypothesis::of_effects() const {
+  std::size_t count = 0;
+  for (const Applied& applied : effects_) count += applied.effect->info().parameters.size();
+  return count;
 }
 
 std::string Hypothesis::Name() const {

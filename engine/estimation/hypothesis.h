@@ -19,6 +19,9 @@ class Hypothesis {
   /// The nominal values that its plant knows to a tolerance only, each with its prior and bounds of three deviations: what
   /// needs more is not within the prior, and says so as an effect or not at all.
   Hypothesis WithNominalValuesFree(const Registry& registry) const;
+  /// The same without priors, anywhere within a decade: a model that was fitted without its missing effect has swallowed it,
+  /// and gives it back only when it is let go.
+  Hypothesis WithNominalValuesReleased(const Registry& registry) const;
   /// A number of the plan, by its dotted path.
   Hypothesis WithFree(Parameter parameter) const;
   /// An effect on top. The number that it scales, if any, is not free any more. Starts and sizes are those of its first
@@ -26,6 +29,8 @@ class Hypothesis {
   Hypothesis With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const;
 
   const Plan& nominal() const { return nominal_; }
+  /// How many of the parameters are those of effects.
+  std::size_t of_effects() const;
   /// Effects' first, in order; then the plan's.
   const std::vector<Parameter>& parameters() const { return parameters_; }
   /// Where a search begins: effects at their starts, the plan as it is. [parameters]
@@ -44,6 +49,7 @@ class Hypothesis {
     Place place;
   };
   void Insert(std::size_t at, Parameter parameter, double value);
+  Hypothesis WithNominalValues(const Registry& registry, bool released) const;
 
   Plan nominal_;
   std::vector<Applied> effects_;

@@ -18,16 +18,6 @@ using Eigen::VectorXd;
 constexpr double kOnTick = 1e-3;  // of a period: a stamp so near a tick is there
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// The sample at each tick, NaN where there is none.
-std::vector<double> ByTick(const Series& series, double period_s, std::int64_t steps) {
-  std::vector<double> samples(static_cast<std::size_t>(steps) + 1, kNone);
-  for (std::size_t i = 0; i < series.time->size(); ++i) {
-    const auto tick = std::llround((*series.time)[i] / period_s);
-    if (tick >= 0 && tick <= steps) samples[static_cast<std::size_t>(tick)] = (*series.values)[i];
-  }
-  return samples;
-}
-
 /// A course by tick at an instant; between ticks the straight line.
 double At(const std::vector<double>& course, double time_s, double period_s) {
   double tick = std::clamp(time_s / period_s, 0.0, static_cast<double>(course.size() - 1));
@@ -40,44 +30,44 @@ double At(const std::vector<double>& course, double time_s, double period_s) {
 /// What a sensor is wrong by, where its chain begins, in the unit of the nominal sensor.
 class SensorError {
  public:
-  /// `measured`: by tick. A delayed sensor shows at an instant what was before, so that a later sample tells of it.
+  /// A delayed sensor shows what was before: a sample counts at the first tick after the instant that it tells of, and is
+  /// compared with the run before that tick's own correction.
   SensorError(const Rig& rig, std::size_t output, double nominal_slope, const Series* measured, double period_s)
       : rig_(rig), chain_(rig, output), inverse_(chain_.lag_s()), slope_(nominal_slope), period_s_(period_s) {
-    if (measured != nullptr) measured_ = ByTick(*measured, period_s, rig.steps);
-    if (measured == nullptr || !(chain_.delay_s() > 0.0)) return;
-    for (std::size_t k = 0; k < measured_.size(); ++k) {
-      if (std::isfinite(measured_[k])) measured_[k] = Later(*measured, static_cast<double>(k) * period_s);
+    if (measured == nullptr) return;
+    measured_.assign(static_cast<std::size_t>(rig.steps) + 1, kNone);
+    passed_.assign(measured_.size(), 1.0);
+    for (std::size_t i = 0; i < measured->time->size(); ++i) {
+      const double tick = ((*measured->time)[i] - chain_.delay_s()) / period_s;
+      const double next = std::abs(tick - std::round(tick)) < kOnTick ? std::round(tick) : std::ceil(tick);
+      if (!(next >= 0.0) || next > static_cast<double>(rig.steps)) continue;
+      const auto k = static_cast<std::size_t>(next);
+      measured_[k] = (*measured->values)[i];
+      passed_[k] = std::min(1.0, 1.0 - (next - tick));
     }
   }
 
   const SensorChain& chain() const { return chain_; }
-  /// Where the run stands; 0 where there is no sample, or the sensor does not react.
+  /// At each tick, in order, where the run stands; 0 where there is no sample, or the sensor does not react.
   double At(const Frame& frame, std::size_t tick) {
     constexpr double kDead = 1e-3;  // of the nominal slope
+    const double before = end_, now = frame.signals[static_cast<std::size_t>(chain_.end())];
+    end_ = now;
     if (measured_.empty() || !std::isfinite(measured_[tick])) return 0.0;
-    const double slope = chain_.SlopeAt(frame, rig_.SecondsOf(frame.time));
-    const double error = measured_[tick] - frame.signals[static_cast<std::size_t>(chain_.end())];
-    const double before = inverse_(error, static_cast<double>(tick - last_) * period_s_);
+    const double share = tick == 0 ? 1.0 : passed_[tick];
+    const double error = inverse_(measured_[tick] - (share < 1.0 ? before + share * (now - before) : now),
+                                  static_cast<double>(tick - last_) * period_s_);
     last_ = tick;
-    return std::abs(slope) > kDead * slope_ ? before * slope_ / slope : 0.0;
+    const double slope = chain_.SlopeAt(frame, rig_.SecondsOf(frame.time));
+    return std::abs(slope) > kDead * slope_ ? error * slope_ / slope : 0.0;
   }
 
  private:
-  /// What the sensor shows of an instant.
-  double Later(const Series& measured, double time_s) const {
-    const std::vector<double>& times = *measured.time;
-    const auto after = std::ranges::upper_bound(times, time_s + chain_.delay_s() - kOnTick * period_s_);
-    if (after == times.begin() || after == times.end()) return kNone;
-    const auto i = static_cast<std::size_t>(after - times.begin());
-    const double share = (time_s + chain_.delay_s() - times[i - 1]) / (times[i] - times[i - 1]);
-    return (*measured.values)[i - 1] + std::min(share, 1.0) * ((*measured.values)[i] - (*measured.values)[i - 1]);
-  }
-
   const Rig& rig_;
   SensorChain chain_;
   LagInverse inverse_;
-  double slope_, period_s_;
-  std::vector<double> measured_;
+  double slope_, period_s_, end_ = 0.0;
+  std::vector<double> measured_, passed_;  // by tick; passed: of the period before, when the sample's instant was
   std::size_t last_ = 0;
 };
 

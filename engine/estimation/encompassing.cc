@@ -1,0 +1,73 @@
+#include "estimation/encompassing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dynoproof::estimation {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis) {
+  const MatrixXd& J = estimate.jacobian;
+  VectorXd left = estimate.weighted;
+  if (J.cols() == 0) return estimate.innovations;
+  MatrixXd H = J.transpose() * J;
+  for (Index i = 0; i < H.rows(); ++i) {
+    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) H(i, i) += 1.0;
+  }
+  for (const Block& block : BlocksOf(data)) {
+    MatrixXd others = H;
+    VectorXd score = VectorXd::Zero(H.rows());
+    for (const Block::Rows& rows : block.rows) {
+      others -= J.middleRows(rows.begin, rows.count).transpose() * J.middleRows(rows.begin, rows.count);
+      score += J.middleRows(rows.begin, rows.count).transpose() * estimate.weighted.segment(rows.begin, rows.count);
+    }
+    const VectorXd step = others.completeOrthogonalDecomposition().solve(score);
+    for (const Block::Rows& rows : block.rows)
+      left.segment(rows.begin, rows.count) += J.middleRows(rows.begin, rows.count) * step;
+  }
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    left.segment(channel.begin, channel.count) *= estimate.scales[c].rms * std::sqrt(estimate.scales[c].correlation);
+  }
+  return left;
+}
+
+Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data,
+                    const std::vector<ChannelScale>& scales) {
+  VectorXd weight(a.size());
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    weight.segment(channel.begin, channel.count)
+        .setConstant(1.0 / (scales[c].rms * scales[c].rms * scales[c].correlation));
+  }
+  const VectorXd d = a - b, wd = weight.cwiseProduct(d);
+  const double power = wd.dot(d);
+  if (!(power > 0.0)) return {0.5, std::numeric_limits<double>::infinity()};
+  Weight result{wd.dot(a) / power, 0.0};
+  const VectorXd v = a - result.lambda * d;
+  double by_block = 0.0;
+  for (const Block& block : BlocksOf(data)) {
+    double sum = 0.0;
+    for (const Block::Rows& rows : block.rows)
+      sum += wd.segment(rows.begin, rows.count).dot(v.segment(rows.begin, rows.count));
+    by_block += sum * sum;
+  }
+  const double by_row = wd.cwiseProduct(v).squaredNorm();
+  result.standard_error = std::sqrt(std::max(by_block, by_row)) / power;
+  return result;
+}
+
+Comparison Compare(const Weight& weight) {
+  constexpr double kNothing = 0.3, kAlmost = 0.9, kSure = 4.0, kLikely = 3.0;
+  const double lambda = weight.lambda, error = weight.standard_error;
+  if (lambda < kNothing && lambda + kSure * error < kAlmost) return Comparison::kFirst;
+  if (1.0 - lambda < kNothing && 1.0 - lambda + kSure * error < kAlmost) return Comparison::kSecond;
+  if (lambda - kLikely * error > 1.0 - kAlmost && lambda + kLikely * error < kAlmost) return Comparison::kBoth;
+  return Comparison::kNotSeparable;
+}
+
+}  // namespace dynoproof::estimation

@@ -1,0 +1,30 @@
+// Which of two fitted models predicts what the other does not: the weight of the second in the best mixture of both.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "estimation/estimator.h"
+
+namespace dynoproof::estimation {
+
+/// Innovations of each block of rows (BlocksOf) by the estimate that the other blocks give: one Newton step, exact for a
+/// linear least squares, e_b + J_b (H - J_b'J_b)^-1 J_b'e_b with H the curvature of all (priors included).
+Eigen::VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis);
+
+struct Weight {
+  double lambda = 0.5, standard_error = 0.0;
+};
+
+/// lambda = sum w e_a d / sum w d^2, d = e_a - e_b: the weight of b in the mixture of the two predictions that leaves
+/// least (Davidson, MacKinnon 1981; Harvey, Leybourne, Newbold 1998). `a`, `b`: innovations by row; `scales`: weights
+/// 1 / (s^2 tau), by channel. The standard error is that of sums over blocks, and at least that of single rows. Where both
+/// predict the same it is infinite.
+Weight Encompassing(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const DataSet& data,
+                    const std::vector<ChannelScale>& scales);
+
+enum class Comparison { kFirst, kSecond, kBoth, kNotSeparable };
+/// By size and significance together: the first wins where the second adds nothing that counts (lambda below 0.3, and four
+/// standard errors from 0.9); both are needed where lambda is three from 0.1 and from 0.9.
+Comparison Compare(const Weight& weight);
+
+}  // namespace dynoproof::estimation
