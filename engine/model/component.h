@@ -63,6 +63,9 @@ class Component {
   virtual void Derivative(const View&, std::span<double> /*rates*/) const {}
   /// Values whose sign change is an event, and what it changes; modes without guards: guard -1 as an interval ends.
   virtual void Guards(const View&, std::span<double> /*values*/) const {}
+  /// Whether a guard is that of a mode: >= 0 as long as the mode holds, and only its falling below 0 is an event. Else
+  /// it is a kink that a solver is not to step over, in either direction.
+  virtual bool IsOfAMode(int /*guard*/) const { return layout_.modes > 0; }
   virtual void OnEvent(const View&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 
   /// Discrete components (kind control): one tick; `states` holds the old values and takes the new ones.

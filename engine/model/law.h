@@ -41,6 +41,7 @@ class Law {
   /// Transmitted torque T [N m]: acts with -T on the first node and +T on the second. T * rate > 0 takes energy up.
   virtual double Torque(const LawView& view) const = 0;
   virtual void Derivative(const LawView&, std::span<double> /*rates*/) const {}
+  /// With modes, each is >= 0 as long as the mode holds; without, each is a kink. See Component::IsOfAMode().
   virtual void Guards(const LawView&, std::span<double> /*values*/) const {}
   virtual void OnEvent(const LawView&, int /*guard*/, std::span<double> /*states*/, std::span<int> /*modes*/) const {}
 

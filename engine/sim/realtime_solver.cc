@@ -12,6 +12,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "linear/condensation.h"
 #include "linear/decompositions.h"
@@ -36,6 +37,11 @@ using substep::Reach;
 using substep::RungeKutta4;
 using substep::SameSign;
 using substep::StopOf;
+
+/// Rounds in which the sticks of a substep settle. Few are needed: each solves for all that hold.
+constexpr int kMostRounds = 8;
+/// Of the largest torque: what less than that changes has settled.
+constexpr double kSettled = 1e-12;
 
 class RealtimeSolver : public Solver {
  public:
@@ -215,7 +221,34 @@ class RealtimeSolver : public Solver {
     modes_.assign(rig.modes, 0);
     ends_.assign(group_.channels.size(), 0.0);
     begin_guards_.assign(group_.channels.size(), 0.0);
+    rests_.assign(group_.channels.size(), {});
+    FindLeaders();
+    for (std::size_t e = 0; e < leaders_.size(); ++e) sticks_ += leaders_[e] == e && Law_(e).sticks() ? 1 : 0;
+    if (sticks_ > 1) {
+      const auto most = static_cast<std::size_t>(2 * sticks_);
+      unknowns_.reserve(most);
+      matrix_.assign(most * most, 0.0);
+      for (auto* vector : {&right_, &solution_}) vector->assign(most, 0.0);
+      order_.assign(most, 0);
+    }
     for (auto& stage : stages_) stage.assign(rig.state_ports.size(), 0.0);
+  }
+
+  /// Frictions of one motion (two brakes of a body) stop at one instant: they are one friction of which each has a share.
+  void FindLeaders() {
+    const mechanics::LinearSystem& system = group_.system;
+    const auto row = [this](std::size_t e) { return static_cast<Eigen::Index>(group_.writes.size() + 2 * e); };
+    const auto column = [this](std::size_t e) { return static_cast<Eigen::Index>(group_.reads.size() + e); };
+    for (std::size_t e = 0; e < group_.channels.size(); ++e) {
+      std::size_t leader = 0;
+      while (leader < e &&
+             !(Law_(e).sticks() && Law_(leader).sticks() && system.B.col(column(e)) == system.B.col(column(leader)) &&
+               system.C.middleRows(row(e), 2) == system.C.middleRows(row(leader), 2)))
+        ++leader;
+      leaders_.push_back(leader);
+      together_ = together_ || leader != e;
+    }
+    shares_.assign(leaders_.size(), 0.0);
   }
 
   ModalForm FormOf(const mechanics::LinearSystem& system, mechanics::Decompositions* known) const {
@@ -408,11 +441,16 @@ class RealtimeSolver : public Solver {
   /// Friction over a substep. Who slips on in the same direction has the torques of both ends. Else the motion stops
   /// within the substep, and from there on a torque holds it, or what slips the other way. What rests is held by the
   /// straight torque that leaves neither speed nor travel at the end, until that breaks away. All of second order.
-  Line StickOrSlip(std::size_t e, double time_s, double h, const Reach& rate, const Reach& twist,
-                   std::span<const double> own) const {
+  Line StickOrSlip(std::size_t e, double time_s, double h, const Reach& rate, const Reach& twist, Frame& frame) {
     const double end_s = time_s + h, begin = Rate(y0_, e);
+    rests_[e].from = 1.0;
     const auto slip = [&](double at_s, const std::vector<double>& y, double speed, double drive, int sign) {
-      return Law_(e).SlipTorque({at_s, Twist(y, e), speed, drive, own, {}}, sign);
+      double sum = 0.0;
+      for (std::size_t f = e; f < leaders_.size(); ++f) {
+        if (leaders_[f] == e)
+          sum += Law_(f).SlipTorque({at_s, Twist(y, e), speed, drive, OwnStates(frame, f), {}}, sign);
+      }
+      return sum;
     };
     double stop = 0.0, moving = 0.0;  // the share of the substep until the motion stops, the torque until then
     if (begin != 0.0) {
@@ -432,7 +470,10 @@ class RealtimeSolver : public Solver {
       if (std::abs(hold) <= std::abs(slip(time_s, y0_, 0.0, hold, hold > 0.0 ? 1 : -1))) {
         const int sign = last > 0.0 ? 1 : -1;
         const double limit = slip(end_s, y_, 0.0, last, sign);
-        if (std::abs(last) <= std::abs(limit)) return LineOf(hold, last);
+        if (std::abs(last) <= std::abs(limit)) {
+          rests_[e].from = 0.0;
+          return LineOf(hold, last);
+        }
         const double leave = std::clamp((limit - hold) / change, 0.0, 1.0);
         const Course still = Course::Straight(hold, limit);
         const Line line = LineOf(still, Course::Flat(limit), leave);
@@ -445,7 +486,10 @@ class RealtimeSolver : public Solver {
     const double free = left(0.0), hold = -free / (left(1.0) - free);
     const int sign = hold > 0.0 ? 1 : -1;
     const double limit = slip(end_s, y_, 0.0, hold, sign);
-    if (std::abs(hold) <= std::abs(limit)) return with(hold);
+    if (std::abs(hold) <= std::abs(limit)) {
+      rests_[e].from = stop;
+      return with(hold);
+    }
     const double after = slip(end_s, y_, left(limit), hold, sign);
     return with(std::copysign(std::min(std::abs(after), std::abs(hold)), hold));  // friction never drives
   }
@@ -466,6 +510,9 @@ class RealtimeSolver : public Solver {
     for (std::size_t i = 0; i < v0_.size(); ++i) {
       held_[i] = v0_[i];
       ramp_[i] = 0.0;
+    }
+    for (std::size_t e = 0; e < channels; ++e) {
+      if (leaders_[e] != e) held_[reads + leaders_[e]] += std::exchange(held_[reads + e], 0.0);
     }
     if (ahead_) {
       if (number == 0) AdvanceAhead(frame, time_s, step);
@@ -494,6 +541,7 @@ class RealtimeSolver : public Solver {
         Correct(step.propagator);
       }
     }
+    SettleSticks(frame, step, time_s);
     for (std::size_t c = 0; c < v0_.size(); ++c) {
       if (held_[c] != v0_[c] || ramp_[c] != 0.0) {
         step.propagator.Respond(state, static_cast<int>(c), held_[c] - v0_[c], ramp_[c]);
@@ -503,10 +551,32 @@ class RealtimeSolver : public Solver {
       Correct(step.propagator, 0);
       std::copy(y_.begin(), y_.end(), Answers(frame));
     }
+    if (together_) ShareOut(frame, time_s + step.length_s);
     for (std::size_t i = 0; i < v0_.size(); ++i) v0_[i] = held_[i] + ramp_[i];  // the next substep goes on from there
     for (std::size_t e = 0; e < channels; ++e) {
       v0_[reads + e] = ends_[e];
       Torque(frame)[e] = v0_[reads + e];
+    }
+  }
+
+  /// What frictions of one motion have together at the end of a substep, to each in proportion to what it can have.
+  void ShareOut(Frame& frame, double time_s) {
+    for (std::size_t e = 0; e < leaders_.size(); ++e) {
+      if (leaders_[e] != e || !Law_(e).sticks()) continue;
+      const auto each = [&](const auto& body) {
+        for (std::size_t f = e; f < leaders_.size(); ++f) {
+          if (leaders_[f] == e) body(f);
+        }
+      };
+      const auto own = [&](std::size_t f) {
+        return std::abs(Law_(f).SlipTorque({time_s, Twist(y_, e), Rate(y_, e), 0.0, OwnStates(frame, f), {}},
+                                           ends_[e] > 0.0 ? 1 : -1));
+      };
+      const double all = ends_[e];
+      double most = 0.0;
+      each([&](std::size_t f) { most += own(f); });
+      each([&](std::size_t f) { shares_[f] = most > 0.0 ? all * (own(f) / most) : 0.0; });
+      if (most > 0.0) each([&](std::size_t f) { ends_[f] = shares_[f]; });
     }
   }
 
@@ -536,14 +606,76 @@ class RealtimeSolver : public Solver {
       torque = Switch(e, time_s, h, v0_[column], own, OwnModes(frame, e));
     } else {
       AdvanceLaw(e, time_s, h, own);
+      if (leaders_[e] != e) {
+        ends_[e] = 0.0;
+        return;
+      }
       const std::size_t row = group_.writes.size() + 2 * e;
       torque = Law_(e).sticks() ? StickOrSlip(e, time_s, h, ReachOf(step.propagator, row + 1, column),
-                                              ReachOf(step.propagator, row, column), own)
+                                              ReachOf(step.propagator, row, column), frame)
                                 : LineOf(v0_[column], BeyondLinear(e, time_s + h, y_, own));
     }
     held_[column] = torque.held;
     ramp_[column] = torque.ramp;
     ends_[e] = torque.end;
+  }
+
+  /// What one stick holds depends on what the others hold: a clutch beside a brake. Those that rest at the end of the
+  /// substep are solved for together, then all laws are asked again with that, until none says anything else.
+  void SettleSticks(Frame& frame, const Step& step, double time_s) {
+    if (sticks_ < 2) return;
+    const std::size_t reads = group_.reads.size(), channels = group_.channels.size();
+    for (int round = 0; round < kMostRounds; ++round) {
+      HoldTogether(step);
+      double moved = 0.0, size = 0.0;
+      for (std::size_t e = 0; e < channels; ++e) {
+        const double held = held_[reads + e], ramp = ramp_[reads + e];
+        SweepLaw(frame, step, time_s, e);
+        Correct(step.propagator);
+        moved = std::max({moved, std::abs(held_[reads + e] - held), std::abs(ramp_[reads + e] - ramp)});
+        size = std::max({size, std::abs(held), std::abs(ramp)});
+      }
+      if (moved <= kSettled * size) return;
+    }
+  }
+
+  /// The torques of all sticks that rest, changed so that none has a speed at the end of the substep, nor a travel
+  /// where it rested all along. Where two hold the same, one takes the change: any share of each would do.
+  void HoldTogether(const Step& step) {
+    const std::size_t reads = group_.reads.size(), channels = group_.channels.size();
+    unknowns_.clear();
+    for (std::size_t e = 0; e < channels; ++e) {
+      const double from = Law_(e).sticks() ? rests_[e].from : 1.0, rest = 1.0 - from;
+      if (rest == 0.0) continue;
+      if (from > 0.0) {  // the torque behind the stop: substep::LineOf
+        unknowns_.push_back({e, group_.writes.size() + 2 * e + 1, rest * (1.0 - 3.0 * from), 6.0 * from * rest, 1.0});
+        continue;
+      }
+      unknowns_.push_back({e, group_.writes.size() + 2 * e + 1, 1.0, 0.0, 1.0});
+      unknowns_.push_back({e, group_.writes.size() + 2 * e, 0.0, 1.0, 1.0});
+    }
+    const std::size_t n = unknowns_.size();
+    if (n < 2) return;
+    const Eigen::MatrixXd &held = step.propagator.held_gain(), &ramp = step.propagator.ramp_gain();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t row = unknowns_[i].row;
+      const bool travel = (row - group_.writes.size()) % 2 == 0;
+      const double scale = travel ? 1.0 / step.length_s : 1.0;  // speeds
+      for (std::size_t j = 0; j < n; ++j) {
+        const std::size_t column = reads + unknowns_[j].channel;
+        matrix_[i * n + j] = scale * (unknowns_[j].held * held.data()[column * y_.size() + row] +
+                                      unknowns_[j].ramp * ramp.data()[column * y_.size() + row]);
+      }
+      right_[i] = scale * ((travel ? y0_[row] : 0.0) - y_[row]);
+    }
+    substep::SolveWhatIsSure({matrix_.data(), n * n}, {right_.data(), n}, {solution_.data(), n}, {order_.data(), n});
+    for (std::size_t i = 0; i < n; ++i) {
+      const Unknown& one = unknowns_[i];
+      held_[reads + one.channel] += one.held * solution_[i];
+      ramp_[reads + one.channel] += one.ramp * solution_[i];
+      ends_[one.channel] += one.end * solution_[i];
+    }
+    Correct(step.propagator);
   }
 
   /// y += gain's column of an input times `amount`, from row `first` on.
@@ -648,6 +780,23 @@ class RealtimeSolver : public Solver {
   std::vector<double> v0_, held_, ramp_, y0_, y_free_, y_, states_, ends_, begin_guards_;
   std::vector<int> modes_;
   std::vector<double> stages_[4];
+  // Sticks: where each rests until the end of the substep, from which share of it on (1: it does not), and the equations
+  // of those that do.
+  struct Rest {
+    double from = 1.0;
+  };
+  struct Unknown {
+    std::size_t channel, row;  // what its torque is to bring to rest: a rate or a twist among y
+    double held, ramp, end;    // what a change of it by 1 does to the torque
+  };
+  int sticks_ = 0;
+  bool together_ = false;             // frictions of one motion are there
+  std::vector<std::size_t> leaders_;  // by channel: the first one of the same motion, itself where there is none before
+  std::vector<double> shares_;
+  std::vector<Rest> rests_;
+  std::vector<Unknown> unknowns_;
+  std::vector<double> matrix_, right_, solution_;
+  std::vector<std::size_t> order_;
 };
 
 }  // namespace

@@ -13,6 +13,8 @@ namespace {
 
 /// More events than this in one period is chatter, not physics.
 constexpr int kMostEvents = 10'000;
+/// More events of one guard at one instant than this are no way to a mode that holds.
+constexpr int kMostTurns = 8;
 /// What a guard of exactly 0 counts as, on the side where it was last: far below anything that the arithmetic of a law
 /// gives, and still a number whose products have a sign.
 constexpr double kHair = 1e-100;
@@ -47,14 +49,14 @@ class ReferenceSolver : public Solver {
 
   Status Start(Frame& frame) override {
     StartBlocks(rig_, frame);
-    frame.solver.assign(rig_.guards, 1.0);  // a guard that is negative from the start is an event at t = 0
+    Forget(frame.solver);  // a guard that is negative from the start is an event at t = 0
     return {};
   }
 
   Status Resume(Frame& frame) override {
     modes_ = frame.modes;
     signals_ = frame.signals;
-    frame.solver.assign(rig_.guards, 1.0);  // the other solver kept no sides: what is negative is an event now
+    Forget(frame.solver);  // the other solver kept no sides: what is negative is an event now
     return {};
   }
 
@@ -69,7 +71,11 @@ class ReferenceSolver : public Solver {
     signals_ = frame.signals;
     modes_ = frame.modes;
     if (integrator_ == nullptr) return {};
-    sides_ = frame.solver;
+    marks_ = frame.solver;
+    // What a mode began below 0 was allowed for the last interval; held signals have changed since.
+    for (int i = 0; i < rig_.guards; ++i) {
+      if (of_a_mode_[i]) marks_[i] = 0.0;
+    }
     if (Status failed = Settle(frame, time_s)) return failed;
     if (Status failed = integrator_->Restart(time_s, frame.states)) return failed;
     for (int events = 0; time_s < end_s; ++events) {
@@ -86,7 +92,7 @@ class ReferenceSolver : public Solver {
     }
     if (Status failed = Settle(frame, end_s)) return failed;
     frame.modes = modes_;
-    frame.solver = sides_;
+    frame.solver = marks_;
     return {};
   }
 
@@ -138,6 +144,19 @@ class ReferenceSolver : public Solver {
     for (std::size_t i = 0; i < feeds.size(); ++i) {
       if (feeds[i]) feeding_.push_back(&rig.blocks[i]);
     }
+    of_a_mode_.assign(rig.guards, false);
+    for (const Block& block : rig.blocks) {
+      for (int i = 0; i < block.component->layout().guards; ++i)
+        of_a_mode_[block.first_guard + i] = block.component->IsOfAMode(i);
+    }
+    turns_.assign(rig.guards, 0);
+  }
+
+  void Forget(mechanics::AlignedVector& marks) const {
+    marks.assign(rig_.guards, 1.0);
+    for (int i = 0; i < rig_.guards; ++i) {
+      if (of_a_mode_[i]) marks[i] = 0.0;
+    }
   }
 
   /// The outputs that some state depends on; all others wait until somebody looks.
@@ -152,16 +171,22 @@ class ReferenceSolver : public Solver {
     }
   }
 
-  /// Never 0: a guard that just touches 0 is still on the side where it was last. Round numbers make that common (a
-  /// torque that meets the friction's limit), and the integrator watches no guard that is 0 as it restarts.
+  /// As the integrator sees them: a mode's guard above 0 as long as the mode holds, from where it began. Never 0: a
+  /// guard that just touches 0 is still on the side where it was last. Round numbers make that common (a torque that
+  /// meets the friction's limit), and the integrator watches no guard that is 0 as it restarts.
   void Guards(double time_s, std::span<const double> states, std::span<double> values) {
     EvaluateFeeding(time_s, states);
     for (const Block& block : rig_.blocks) {
       if (block.component->layout().guards > 0) EvaluateGuards(block, time_s, states, modes_, signals_, values);
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (values[i] == 0.0) values[i] = sides_[i] * kHair;
+      if (of_a_mode_[i]) values[i] += marks_[i];
+      if (values[i] == 0.0) values[i] = of_a_mode_[i] ? kHair : marks_[i] * kHair;
     }
+  }
+
+  bool Crossed(int guard) const {
+    return of_a_mode_[guard] ? guards_[guard] < 0.0 : marks_[guard] * guards_[guard] < 0.0;
   }
 
   /// One event: the block that owns the guard changes its modes and states.
@@ -175,20 +200,28 @@ class ReferenceSolver : public Solver {
     }
   }
 
-  /// Every guard that is not on its last side is an event: the integrator found it, a held signal jumped, or another
-  /// event changed what it sees. One after the other, since each may call off the next or bring it about.
+  /// Every kink that is not on its last side and every mode that holds no more is an event: the integrator found it, a
+  /// held signal jumped, or another event changed what it sees. One after the other, since each may call off the next
+  /// or bring it about. A mode may begin below 0 by round-off, with nothing else to be found: it is asked again where it
+  /// has fallen twice as far, so that it never creeps away and few questions are enough.
   Status Settle(Frame& frame, double time_s) {
     if (rig_.guards == 0) return {};
     guards_.resize(rig_.guards);
+    std::fill(turns_.begin(), turns_.end(), 0);
     for (int events = 0; events <= kMostEvents; ++events) {
       Guards(time_s, frame.states, guards_);
       int crossed = 0;
-      while (crossed < rig_.guards && !(sides_[crossed] * guards_[crossed] < 0.0)) ++crossed;
+      while (crossed < rig_.guards && !Crossed(crossed)) ++crossed;
       if (crossed == rig_.guards) return {};
+      before_ = modes_;
       Happen(crossed, time_s, frame);
-      sides_[crossed] = 1.0;  // a mode that begins on its very limit holds
+      marks_[crossed] = of_a_mode_[crossed] ? 0.0 : 1.0;
       Guards(time_s, frame.states, guards_);
-      sides_[crossed] = std::copysign(1.0, guards_[crossed]);
+      if (!of_a_mode_[crossed]) {
+        marks_[crossed] = std::copysign(1.0, guards_[crossed]);
+      } else if (guards_[crossed] < 0.0 && (modes_ == before_ || ++turns_[crossed] > kMostTurns)) {
+        marks_[crossed] = -2.0 * guards_[crossed];
+      }
     }
     return Chatters(rig_, time_s);
   }
@@ -198,8 +231,10 @@ class ReferenceSolver : public Solver {
   std::vector<int> with_memory_;
   std::unique_ptr<Integrator> integrator_;
   std::vector<double> signals_, guards_;
-  mechanics::AlignedVector sides_;  // of each guard, +1 or -1: where it was after the last event
-  std::vector<int> modes_, roots_;
+  std::vector<bool> of_a_mode_;
+  /// Of each guard after its last event. Kinks: the side, +1 or -1. Of a mode: how far below 0 the mode began.
+  mechanics::AlignedVector marks_;
+  std::vector<int> modes_, before_, roots_, turns_;
   std::int64_t events_ = 0;
 };
 

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 namespace dynoproof::substep {
 
@@ -72,6 +74,42 @@ inline double StopOf(double begin, double end, double mean) {
     at = std::clamp(at - (begin + (slope + bend * at) * at) / falls, 0.0, 1.0);
   }
   return at < kLeastShare ? 0.0 : at > 1.0 - kLeastShare ? 1.0 : at;
+}
+
+/// Solves matrix x = right (n equations, row by row; both are spoilt) as far as it says anything: by elimination with the
+/// largest pivot of all that is left, x = 0 where only round-off is left. `order` is scratch memory.
+inline void SolveWhatIsSure(std::span<double> matrix, std::span<double> right, std::span<double> x,
+                            std::span<std::size_t> order) {
+  constexpr double kRoundOff = 1e-10;
+  const std::size_t n = right.size();
+  for (std::size_t i = 0; i < n; ++i) order[i] = i, x[i] = 0.0;
+  double largest = 0.0;
+  std::size_t rank = 0;
+  for (; rank < n; ++rank) {
+    std::size_t row = rank, column = rank;
+    for (std::size_t i = rank; i < n; ++i) {
+      for (std::size_t j = rank; j < n; ++j) {
+        if (std::abs(matrix[i * n + j]) > std::abs(matrix[row * n + column])) row = i, column = j;
+      }
+    }
+    const double pivot = std::abs(matrix[row * n + column]);
+    largest = std::max(largest, pivot);
+    if (!(pivot > kRoundOff * largest)) break;
+    for (std::size_t j = 0; j < n; ++j) std::swap(matrix[rank * n + j], matrix[row * n + j]);
+    std::swap(right[rank], right[row]);
+    for (std::size_t i = 0; i < n; ++i) std::swap(matrix[i * n + rank], matrix[i * n + column]);
+    std::swap(order[rank], order[column]);
+    for (std::size_t i = rank + 1; i < n; ++i) {
+      const double factor = matrix[i * n + rank] / matrix[rank * n + rank];
+      for (std::size_t j = rank; j < n; ++j) matrix[i * n + j] -= factor * matrix[rank * n + j];
+      right[i] -= factor * right[rank];
+    }
+  }
+  for (std::size_t i = rank; i-- > 0;) {
+    double sum = right[i];
+    for (std::size_t j = i + 1; j < rank; ++j) sum -= matrix[i * n + j] * x[order[j]];
+    x[order[i]] = sum / matrix[i * n + i];
+  }
 }
 
 }  // namespace dynoproof::substep

@@ -160,12 +160,32 @@ TEST(RoundValues, AClutchBesideABrakeThatHolds) {
       Value{{"between", Value::Array{"I", "J"}}, {"law", "coulomb"}, {"T_c_Nm", 8.0}};
   plan.root["plant"]["load"]["brake"] = Value{{"on", "J"}, {"law", "coulomb"}, {"T_c_Nm", 10.0}};
   plan.root["output"]["w_J"] = Value{{"of", "plant.J.speed"}};
-  const Samples samples = RunPlan(plan, "reference");
-  for (std::size_t k = 0; k < samples.time.size(); ++k) {
-    const double t = samples.time[k];
-    const double slips = 2.0 * std::clamp(t - 0.3, 0.0, 0.2) - 16.0 * std::clamp(t - 0.5, 0.0, 0.025);
-    EXPECT_NEAR(samples.outputs[0][k], slips, 1e-9) << "I at " << t;
-    EXPECT_NEAR(samples.outputs[2][k], 0.0, 1e-12) << "J at " << t;
+  for (const char* solver : {"realtime", "reference"}) {
+    const Samples samples = RunPlan(plan, solver);
+    for (std::size_t k = 0; k < samples.time.size(); ++k) {
+      const double t = samples.time[k];
+      const double slips = 2.0 * std::clamp(t - 0.3, 0.0, 0.2) - 16.0 * std::clamp(t - 0.5, 0.0, 0.025);
+      EXPECT_NEAR(samples.outputs[0][k], slips, 1e-9) << solver << " I at " << t;
+      EXPECT_NEAR(samples.outputs[2][k], 0.0, 1e-12) << solver << " J at " << t;
+    }
+  }
+}
+
+/// Two brakes of one body stop it at one instant, and hold what neither could hold alone.
+TEST(RoundValues, TwoBrakesOfOneBodyAreOneFriction) {
+  const Jumps torque{{0.0, 0.2, 0.3}, {-5.0, 20.0, 25.0}};
+  Plan plan = Braked(torque, {{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", 10.0}}, 7.0);
+  plan.root["plant"]["load"]["second"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", 10.0}};
+  plan.root["output"]["T_1"] = Value{{"of", "plant.friction.torque"}};
+  plan.root["output"]["T_2"] = Value{{"of", "plant.second.torque"}};
+  for (const char* solver : {"realtime", "reference"}) {
+    const Samples samples = RunPlan(plan, solver);
+    for (std::size_t k = 0; k < samples.time.size(); ++k) {
+      const double t = samples.time[k];
+      EXPECT_NEAR(samples.outputs[0][k], std::max(0.0, 7.0 - 50.0 * t) + 10.0 * std::max(0.0, t - 0.3), 1e-9)
+          << solver << " " << t;
+      EXPECT_LE(std::max(std::abs(samples.outputs[2][k]), std::abs(samples.outputs[3][k])), 10.0 + 1e-9) << solver;
+    }
   }
 }
 

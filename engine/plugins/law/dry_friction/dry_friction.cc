@@ -4,6 +4,9 @@
 
 namespace dynoproof::laws {
 
+/// Of the limit: a holding torque that meets it but for round-off is held, whatever else holds beside it.
+constexpr double kRoundOff = 1e-12;
+
 PluginInfo Coulomb::Info() {
   return {"law", "coulomb", "dry friction that sticks when it can hold", "T = T_c sgn(w)", "Coulomb", {}};
 }
@@ -36,16 +39,19 @@ double DryFriction::Torque(const LawView& view) const {
   return std::clamp(view.holding_torque, Slip(0.0, -1), Slip(0.0, 1));
 }
 
+double DryFriction::Margin(double h) const {
+  const double forward = Slip(0.0, 1), back = Slip(0.0, -1);
+  return std::min(forward - h, h - back) + kRoundOff * std::max(forward, -back);
+}
+
 void DryFriction::Guards(const LawView& view, std::span<double> values) const {
-  const double h = view.holding_torque;
-  values[0] = view.modes[0] == 0 ? std::min(Slip(0.0, 1) - h, h - Slip(0.0, -1)) : view.modes[0] * view.rate;
+  values[0] = view.modes[0] == 0 ? Margin(view.holding_torque) : view.modes[0] * view.rate;
 }
 
 void DryFriction::OnEvent(const LawView& view, int, std::span<double>, std::span<int> modes) const {
   const double h = view.holding_torque;
-  const bool holds = h <= Slip(0.0, 1) && h >= Slip(0.0, -1);
   // Leaving the stick, h sits on the limit to round-off: there only its sign counts.
-  modes[0] = modes[0] != 0 && holds ? 0 : h > 0.0 ? 1 : -1;
+  modes[0] = modes[0] != 0 && Margin(h) >= 0.0 ? 0 : h > 0.0 ? 1 : -1;
 }
 
 }  // namespace dynoproof::laws

@@ -32,6 +32,10 @@ class DryFriction : public Law {
  protected:
   /// The torque above; smooth in `rate` through zero, so that a solver may step over the event before it goes back.
   virtual double Slip(double rate, int sign) const = 0;
+
+ private:
+  /// How far the holding torque is from what it can hold at most [N m].
+  double Margin(double holding_torque) const;
 };
 
 /// T = T_c sgn(w).

@@ -179,6 +179,14 @@ void DriveLine::Guards(const View& view, std::span<double> values) const {
   }
 }
 
+bool DriveLine::IsOfAMode(int guard) const {
+  for (const Element& element : elements_) {
+    const Layout& own = element.law->layout();
+    if (guard >= element.guard && guard < element.guard + own.guards) return own.modes > 0;
+  }
+  return false;
+}
+
 void DriveLine::OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const {
   const std::span<ElementTorque> elements = Scratch<ElementTorque>(elements_.size());
   Torques(view, Scratch<double>(linear_.nodes.size()), elements);

@@ -84,6 +84,7 @@ class DriveLine : public Component {
   void Output(const View& view, std::span<double> outputs) const override;
   void Derivative(const View& view, std::span<double> rates) const override;
   void Guards(const View& view, std::span<double> values) const override;
+  bool IsOfAMode(int guard) const override;
   void OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const override;
   /// Made when it is first asked for: who looks at the network alone does without.
   const LinearPart* linear_part() const override {
