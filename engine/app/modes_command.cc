@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
@@ -63,6 +64,9 @@ nlohmann::json ToJson(const std::string& id, const LinearAnalysis& analysis) {
   return document;
 }
 
+/// As five digits show it: what they round to 0 has no sign.
+double Shown(double damping_ratio) { return std::abs(damping_ratio) < 0.5e-5 ? 0.0 : damping_ratio; }
+
 std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& settings) {
   std::string text = fmt::format("{:>4}  {:>12}  {:>10}  energy\n", "mode", "frequency Hz", "damping");
   int number = 0, hidden = 0;
@@ -78,7 +82,8 @@ std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& setti
     for (std::size_t i = 0; i < std::min<std::size_t>(4, shares.size()); ++i) {
       if (shares[i].second >= 0.01) energy += fmt::format("{} {:.0f} %  ", shares[i].first, 100.0 * shares[i].second);
     }
-    text += fmt::format("{:>4}  {:>12.3f}  {:>10.5f}  {}\n", number - 1, mode.frequency_hz, mode.damping_ratio, energy);
+    text += fmt::format("{:>4}  {:>12.3f}  {:>10.5f}  {}\n", number - 1, mode.frequency_hz, Shown(mode.damping_ratio),
+                        energy);
   }
   if (hidden > 0) text += fmt::format("      {} more above {:g} Hz (--json has them all)\n", hidden, settings.to_Hz);
   text += fmt::format("\npractical resonances from {} to {}, {:g} to {:g} Hz\n", settings.input, settings.output,
@@ -91,7 +96,7 @@ std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& setti
   if (!analysis.no_zeros.empty()) text += fmt::format("      none: {}\n", analysis.no_zeros);
   for (const mechanics::Zero& one : analysis.zeros.zeros) {
     if (!one.oscillatory || one.frequency_hz > settings.to_Hz) continue;
-    text += fmt::format("      {:>12.3f}  damping {:.5f}\n", one.frequency_hz, one.damping_ratio);
+    text += fmt::format("      {:>12.3f}  damping {:.5f}\n", one.frequency_hz, Shown(one.damping_ratio));
   }
   for (const std::string& note : analysis.notes) text += fmt::format("\nnote: {}\n", note);
   return text;
