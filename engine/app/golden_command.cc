@@ -11,6 +11,7 @@
 #include "base/process.h"
 #include "base/text.h"
 #include "experiment/build_info.h"
+#include "experiment/comparable.h"
 #include "experiment/golden.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
@@ -43,13 +44,15 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
       diagnostics.Error({tolerance_file}, read.failure().message);
     }
   }
-  const Result<trace::Trace> left = trace::ReadTrace(a), right = trace::ReadTrace(b);
+  std::vector<std::string> notes;
+  const Result<trace::Trace> left = ReadComparable(a, notes), right = ReadComparable(b, notes);
   for (const auto* trace : {&left, &right}) {
     if (!trace->ok()) diagnostics.Error({trace->failure().signal}, trace->failure().message);
   }
   if (left.ok() && right.ok()) CheckTolerances(tolerances.signals, *left, *right, diagnostics);
   if (Report(diagnostics) != kGood) return kUsage;
   ScenarioResult result;
+  result.notes = std::move(notes);
   result.id = b;
   result.trace_file = b;
   // The tolerances of a golden trace tell how long the run was that it was thinned out of.
@@ -240,11 +243,12 @@ void AddCompare(CLI::App& program, int& exit) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand("compare", "two traces, signal by signal");
-  command->add_option("A.h5", arguments->a, "the reference")->required();
-  command->add_option("B.h5", arguments->b, "the trace that is judged")->required();
+  command->add_option("A", arguments->a, "the reference: a trace (HDF5), or a record with time stamps (CSV, MAT)")
+      ->required();
+  command->add_option("B", arguments->b, "what is judged")->required();
   command->add_option("--tolerance", arguments->tolerance,
                       "TOML with [signal.NAME] relative_width, time_half_width_s, origin (default: that of a golden "
-                      "A.h5 beside it)");
+                      "A beside it)");
   AddCommon(*command, arguments->common);
   AddExamples(*command, "  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
   command->callback(

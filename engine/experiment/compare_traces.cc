@@ -43,13 +43,16 @@ bool SameUnit(const std::string& a, const std::string& b) {
   return of_a->exponents == of_b->exponents && of_a->factor == of_b->factor && of_a->offset == of_b->offset;
 }
 
-/// `times`, with those that meet a stamp of `grid` but for round-off exactly on it.
+/// `times`, with those that meet a stamp of `grid` but for round-off exactly on it, each row of an instant on one of its
+/// own.
 std::vector<double> SnappedTo(std::span<const double> grid, std::span<const double> times) {
   std::vector<double> snapped(times.begin(), times.end());
   const double slack = kStampSlack * std::min(score::MedianStep(grid), score::MedianStep(times));
+  double before = -std::numeric_limits<double>::infinity();
   for (double& time : snapped) {
-    const auto it = std::lower_bound(grid.begin(), grid.end(), time - slack);
-    if (it != grid.end() && *it <= time + slack) time = *it;
+    const double next = std::nextafter(before, std::numeric_limits<double>::infinity());
+    const auto it = std::lower_bound(grid.begin(), grid.end(), std::max(time - slack, next));
+    time = before = it != grid.end() && *it <= time + slack ? *it : std::max(time, next);
   }
   return snapped;
 }
@@ -168,13 +171,41 @@ std::string WorstInItsUnit(const score::TubeResult& result, std::span<const doub
                      result.worst_time_s, allowed, shown);
 }
 
+/// What a deviation is small or large against.
+struct Scale {
+  double value;
+  std::string note;  // where the reference does not state it
+};
+
+/// The nominal of a sound reference, or else how far its values range; of one that is constant that value, and of one
+/// that is 0 throughout, 1 of its unit: nothing else is known.
+Scale ScaleOf(const trace::Signal& signal) {
+  if (signal.nominal_known) return {signal.nominal, ""};
+  const auto [least, most] = std::minmax_element(signal.values.begin(), signal.values.end());
+  const double range = *most - *least, constant = std::abs(*most);
+  const double value = range > 0.0 ? range : constant > 0.0 ? constant : 1.0;
+  return {value, fmt::format("\"{}\" has no nominal in the reference: {:.4g}{}{} is taken, {}", signal.name, value,
+                             signal.unit.empty() ? "" : " ", signal.unit,
+                             range > 0.0      ? "how far its values range"
+                             : constant > 0.0 ? "its constant value"
+                                              : "1 of its unit, since it is 0 throughout")};
+}
+
+void Note(const std::string& note, std::vector<std::string>* notes) {
+  if (notes != nullptr && std::find(notes->begin(), notes->end(), note) == notes->end()) notes->push_back(note);
+}
+
 /// One signal that both traces have, in one unit.
 class SignalComparison {
  public:
   SignalComparison(const trace::Signal& signal, std::string name, std::string kind, const SignalTolerance& tolerance)
-      : signal_(signal), name_(std::move(name)), kind_(std::move(kind)), tolerance_(tolerance) {
+      : signal_(signal),
+        scale_(ScaleOf(signal)),
+        name_(std::move(name)),
+        kind_(std::move(kind)),
+        tolerance_(tolerance) {
     options_.relative_width = tolerance.relative_width;
-    options_.nominal = signal.nominal;
+    options_.nominal = scale_.value;
     options_.time_half_width_s = tolerance.time_half_width_s;
   }
 
@@ -189,8 +220,7 @@ class SignalComparison {
     options.to_s = common->to_s;
     score::Check check = Judge(reference, {common->test_time_s, test.values, test.interpolation}, options);
     if (!common->note.empty()) {
-      if (notes != nullptr && std::find(notes->begin(), notes->end(), common->note) == notes->end())
-        notes->push_back(common->note);
+      Note(common->note, notes);
       check.explanation += (check.explanation.empty() ? "" : "; ") + common->note;
     }
     if (common->fault.empty()) return check;
@@ -200,6 +230,8 @@ class SignalComparison {
     failed.evidence = check.evidence;
     return failed;
   }
+
+  const std::string& scale_note() const { return scale_.note; }
 
   score::Check Thinned(const score::Series& reference, const score::Series& test) const {
     const std::vector<double> samples = SamplesAt(reference.time_s, test.time_s, test.values);
@@ -211,8 +243,8 @@ class SignalComparison {
                                      reference.time_s.back()));
     }
     score::Check check = Judge(reference, {reference.time_s, samples, reference.interpolation}, options_, &test);
-    JudgeBetween(FarthestBetween(reference, test, tolerance_.relative_width * signal_.nominal,
-                                 tolerance_.between_width * signal_.nominal),
+    JudgeBetween(FarthestBetween(reference, test, tolerance_.relative_width * scale_.value,
+                                 tolerance_.between_width * scale_.value),
                  signal_.unit, check);
     return check;
   }
@@ -239,6 +271,7 @@ class SignalComparison {
   }
 
   const trace::Signal& signal_;
+  Scale scale_;
   std::string name_, kind_;
   const SignalTolerance& tolerance_;
   score::TubeOptions options_;
@@ -301,6 +334,11 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
     const SignalComparison comparison(want, name, kind, found == tolerances.end() ? kDefault : found->second);
     checks.push_back(reference_is == ReferenceIs::kThinned ? comparison.Thinned(golden, run)
                                                            : comparison.Whole(golden, run, notes));
+    if (const std::string& note = comparison.scale_note(); !note.empty()) {
+      Note(note, notes);
+      std::string& explanation = checks.back().explanation;
+      explanation += (explanation.empty() ? "" : "; ") + note;
+    }
   }
   for (const trace::Signal& have : test.signals) {
     if (reference.Find(have.name) != nullptr) continue;

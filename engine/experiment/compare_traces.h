@@ -14,7 +14,7 @@ namespace dynoproof {
 
 /// How far a signal may be from its reference, and why.
 struct SignalTolerance {
-  double relative_width = 1e-7;  // half-width of the tube over the signal's nominal
+  double relative_width = 1e-7;  // half-width of the tube over the nominal; without one: over the reference's range
   double time_half_width_s = 0.0;
   std::string origin =
       "the same solver and steps: on the shipped scenarios other vector instructions and compilers differ by at most "

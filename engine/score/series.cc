@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dynoproof::score {
 namespace {
@@ -42,10 +43,19 @@ std::string UniformFault(std::span<const double> time_s, std::string_view name) 
   return {};
 }
 
+bool IsJump(std::span<const double> time_s, std::size_t i) {
+  constexpr double kUlps = 8.0;
+  return time_s[i + 1] - time_s[i] <=
+         kUlps * std::numeric_limits<double>::epsilon() * std::abs(time_s[i]) + std::numeric_limits<double>::min();
+}
+
 double MedianStep(std::span<const double> time_s) {
-  std::vector<double> steps(time_s.size() - 1);
-  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = time_s[i + 1] - time_s[i];
-  return Median(steps);
+  std::vector<double> steps;
+  steps.reserve(time_s.size());
+  for (std::size_t i = 0; i + 1 < time_s.size(); ++i) {
+    if (!IsJump(time_s, i)) steps.push_back(time_s[i + 1] - time_s[i]);
+  }
+  return steps.empty() ? time_s.back() - time_s.front() : Median(steps);
 }
 
 std::string CoverageFault(const Series& reference, const Series& test, double max_gap_s) {

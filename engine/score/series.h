@@ -29,7 +29,11 @@ std::string FaultOf(const Series& series, std::string_view name, std::size_t min
 /// Spectra need that: a thousandth of a step is a phase error below 0.2 degrees up to the Nyquist frequency.
 std::string UniformFault(std::span<const double> time_s, std::string_view name);
 
-/// Median of the steps of `time_s` [s]; needs two samples.
+/// Whether sample i + 1 follows at the same instant: a time that is a few units in the last place later, which is how
+/// rows at one instant, the values before and after an event, are told apart. `time_s` rises strictly.
+bool IsJump(std::span<const double> time_s, std::size_t i);
+
+/// Median of the steps of `time_s` [s], jumps left out; needs two samples.
 double MedianStep(std::span<const double> time_s);
 
 /// Why `test` does not cover the whole span of `reference`; empty if it does. A thousandth of a reference step is

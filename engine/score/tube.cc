@@ -69,6 +69,7 @@ double BendAfter(const Series& series, std::size_t j) {
   const auto& [time, values, interpolation] = series;
   double most = 0.0;
   for (std::size_t i = j > 2 ? j - 1 : 1; i <= j + 2 && i + 1 < time.size(); ++i) {
+    if (IsJump(time, i - 1) || IsJump(time, i)) continue;  // nothing bends across a jump
     const double before = (values[i] - values[i - 1]) / (time[i] - time[i - 1]);
     const double after = (values[i + 1] - values[i]) / (time[i + 1] - time[i]);
     most = std::max(most, 2.0 * std::abs(after - before) / (time[i + 1] - time[i - 1]));
@@ -93,6 +94,37 @@ std::vector<double> OpenBetween(const Series& series, std::span<const double> ti
     open[i] = 0.5 * bend * (times_s[i] - time[j]) * (time[j + 1] - times_s[i]);
   }
   return open;
+}
+
+// Where one signal has several rows at one instant and the other does not, nobody says which of them the other one means:
+// the bounds there take in the reference's rows or, for rows of the test, the reference's samples on either side.
+void TakeInJumps(const Series& reference, const Series& test, std::span<const double> times, Bounds& bounds) {
+  const auto each = [&](const Series& jumps, const Series& other, bool of_reference) {
+    const std::vector<double>::size_type n = jumps.time_s.size();
+    for (std::size_t first = 0, last = 0; first + 1 < n; first = last + 1) {
+      last = first;
+      while (last + 1 < n && IsJump(jumps.time_s, last)) ++last;
+      if (last == first) continue;
+      const double from = jumps.time_s[first], to = jumps.time_s[last];
+      const auto begin = std::lower_bound(other.time_s.begin(), other.time_s.end(), from);
+      const auto end = std::upper_bound(begin, other.time_s.end(), to);
+      if (end - begin > 1) continue;
+      std::span<const double> values = jumps.values.subspan(first, last - first + 1);
+      if (!of_reference) {
+        const auto a = static_cast<std::size_t>(begin - other.time_s.begin()) - (begin == other.time_s.begin() ? 0 : 1);
+        const auto b = static_cast<std::size_t>(end - other.time_s.begin()) - (end == other.time_s.end() ? 1 : 0);
+        values = other.values.subspan(a, b - a + 1);
+      }
+      const auto [low, high] = std::minmax_element(values.begin(), values.end());
+      for (auto t = std::lower_bound(times.begin(), times.end(), from); t != times.end() && *t <= to; ++t) {
+        const auto i = static_cast<std::size_t>(t - times.begin());
+        bounds.low[i] = std::min(bounds.low[i], *low);
+        bounds.high[i] = std::max(bounds.high[i], *high);
+      }
+    }
+  };
+  each(reference, test, true);
+  each(test, reference, false);
 }
 
 // The samples from `from` to `to`.
@@ -135,6 +167,7 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
   const std::vector<double> times = UnionTimes(reference, test, options);
   const std::vector<double> values = SampleAt(test, times);
   Bounds bounds = ReferenceRange(reference, times, options.time_half_width_s);
+  TakeInJumps(reference, test, times, bounds);
   if (options.interpolation_room > 0.0) {
     const std::vector<double> of_reference = OpenBetween(reference, times), of_test = OpenBetween(test, times);
     for (std::size_t i = 0; i < times.size(); ++i) {

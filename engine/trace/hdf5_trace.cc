@@ -107,6 +107,7 @@ class Reader {
     if (Status s = ReadTextAttribute(id, path, "description", signal.description)) return s;
     const Result<hdf5::Attribute> nominal = hdf5::ReadAttribute(id, "nominal");
     if (!nominal.ok()) return nominal.failure();
+    signal.nominal_known = !std::holds_alternative<std::monostate>(*nominal);
     if (const auto* real = std::get_if<double>(&*nominal)) signal.nominal = *real;
     if (const auto* integer = std::get_if<std::int64_t>(&*nominal)) signal.nominal = static_cast<double>(*integer);
     if (std::holds_alternative<std::string>(*nominal) || std::holds_alternative<hdf5::Other>(*nominal)) {

@@ -29,6 +29,7 @@ struct Signal {
   Interpolation interpolation = Interpolation::kLinear;
   std::vector<double> values = {};
   std::size_t time_base = 0;  // 0: Trace::time; k > 0: Trace::other_times[k - 1]
+  bool nominal_known = true;  // false: the file that it was read from states none, and `nominal` says nothing
 
   bool operator==(const Signal&) const = default;
 };

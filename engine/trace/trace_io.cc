@@ -24,6 +24,7 @@ void Members(Archive& archive, Signal& signal) {
   Pass(archive, signal.interpolation);
   Pass(archive, signal.values);
   Pass(archive, signal.time_base);
+  Pass(archive, signal.nominal_known);
 }
 
 template <class Archive>
@@ -69,7 +70,9 @@ Status WriteSignal(hid_t group, const Signal& signal, const hdf5::Storage& stora
   const hid_t id = dataset->id();
   if (Status s = hdf5::WriteAttribute(id, "unit", signal.unit)) return s;
   if (Status s = hdf5::WriteAttribute(id, "description", signal.description)) return s;
-  if (Status s = hdf5::WriteAttribute(id, "nominal", signal.nominal)) return s;
+  if (signal.nominal_known) {
+    if (Status s = hdf5::WriteAttribute(id, "nominal", signal.nominal)) return s;
+  }
   if (Status s = hdf5::WriteAttribute(id, "interpolation", ToText(signal.interpolation))) return s;
   if (signal.time_base > 0) return hdf5::WriteAttribute(id, "time", TimeBaseName(signal.time_base));
   return {};

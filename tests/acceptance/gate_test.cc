@@ -1,5 +1,6 @@
 // What a gate lets through, from outside: traces of other rasters, tolerances of nothing, modes of a clutch, a
 // benchmark that errs, a torque that meets the friction's limit.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,6 +72,91 @@ TEST_F(OtherRasters, WithoutAnythingInCommonFail) {
   Trace("short.h5", {1e-3}, 0.5);
   EXPECT_THAT(Compare("fixed.h5", "short.h5").out, HasSubstr("the run is short"));
   EXPECT_EQ(Compare("fixed.h5", "short.h5").exit, 1);
+}
+
+/// A file that states no nominal: 1 % is of what the reference's values range over, and that is said.
+TEST_F(OtherRasters, WithoutANominalTheReferencesRangeCounts) {
+  const auto write = [&](const char* name, double size, double offset, double spike) {
+    std::string text = "time [s],T [N m],zero [N m],level [bar]\n";
+    for (int i = 0; i <= 1000; ++i) {
+      const double t = 1e-3 * i;
+      text += fmt::format("{:.3f},{:.9f},{},5\n", t, size * std::sin(6.0 * t) + offset + (i == 500 ? spike : 0.0),
+                          i == 500 ? spike / size : 0.0);
+    }
+    bench_.Write(name, text);
+  };
+  bench_.Write("wide.toml",
+               "[signal.T]\nrelative_width = 0.01\norigin = \"1 %\"\n"
+               "[signal.zero]\nrelative_width = 0.01\norigin = \"1 %\"\n");
+  write("a.csv", 1e5, 0.0, 0.0);
+  write("near.csv", 1e5, 1e3, 0.0);   // 0.5 % of the range of 2e5
+  write("far.csv", 1e5, 4e3, 0.0);    // 2 %
+  write("spike.csv", 1e5, 0.0, 5e3);  // 2.5 % for one sample; 0.05 beside a constant 0
+  const Outcome near = Compare("a.csv", "near.csv");
+  EXPECT_EQ(near.exit, 0) << near.Both();
+  EXPECT_THAT(near.out,
+              HasSubstr("\"T\" has no nominal in the reference: 2e+05 N m is taken, how far its values range"));
+  EXPECT_THAT(near.out,
+              HasSubstr("\"zero\" has no nominal in the reference: 1 N m is taken, 1 of its unit, since it is 0"));
+  EXPECT_THAT(near.out, HasSubstr("\"level\" has no nominal in the reference: 5 bar is taken, its constant value"));
+  EXPECT_EQ(Compare("a.csv", "far.csv").exit, 1);
+  const Outcome spike = Compare("a.csv", "spike.csv");
+  EXPECT_EQ(spike.exit, 1);
+  EXPECT_THAT(spike.out, HasSubstr("\"zero\" has no nominal in the reference"));
+  // The same of an HDF5 file: 1e3 N m are nothing against a range of 2e5, and a thousand half-widths against 1.
+  trace::Trace trace;
+  trace::Signal signal{"T", "N m"};
+  signal.nominal_known = false;
+  for (int i = 0; i <= 1000; ++i) {
+    trace.time.push_back(1e-3 * i);
+    signal.values.push_back(1e5 * std::sin(6e-3 * i));
+  }
+  trace.signals.push_back(std::move(signal));
+  ASSERT_FALSE(trace::WriteTrace(bench_ / "a.h5", trace));
+  for (double& value : trace.signals[0].values) value += 1e3;
+  ASSERT_FALSE(trace::WriteTrace(bench_ / "b.h5", trace));
+  bench_.Write("wide.toml", "[signal.T]\nrelative_width = 0.01\norigin = \"1 %\"\n");
+  const Outcome hdf5 = Compare("a.h5", "b.h5");
+  EXPECT_EQ(hdf5.exit, 0) << hdf5.Both();
+  EXPECT_THAT(hdf5.out, HasSubstr("2e+05 N m is taken"));
+}
+
+/// A step at 0.5 s as simulators write it: rows before and after it at one instant.
+TEST_F(OtherRasters, RowsAtOneInstantAreAJump) {
+  const auto write = [&](const char* name, double step_s, const std::vector<double>& rows) {
+    std::string text = "time,T\n";
+    for (int i = 0; i * step_s <= 1.0 + 1e-9; ++i) {
+      const double t = i * step_s;
+      if (std::abs(t - 0.5) > 1e-9) {
+        text += fmt::format("{:.4f},{}\n", t, t < 0.5 ? 0 : 1);
+        continue;
+      }
+      for (const double row : rows) text += fmt::format("{:.4f},{}\n", t, row);
+    }
+    bench_.Write(name, text);
+  };
+  write("events.csv", 1e-2, {0, 1});
+  write("three.csv", 1e-2, {0, 0.5, 1});
+  write("before.csv", 1e-2, {0});
+  write("after.csv", 1e-2, {1});
+  write("high.csv", 1e-2, {0, 9, 1});
+  write("last.csv", 1e-2, {0, 9});
+  write("falls.csv", 1e-2, {1, 0});
+  const auto exit = [&](const char* a, const char* b) { return Compare(a, b).exit; };
+  const Outcome same = Compare("events.csv", "events.csv");
+  EXPECT_EQ(same.exit, 0) << same.Both();
+  EXPECT_THAT(same.out, HasSubstr("events.csv: 1 instant of several rows, each taken as a jump"));
+  for (const char* other : {"before.csv", "after.csv"}) {
+    EXPECT_EQ(exit("events.csv", other), 0) << other;
+    EXPECT_EQ(exit("three.csv", other), 0) << other;
+    EXPECT_EQ(exit(other, "events.csv"), 0) << other;
+  }
+  for (const char* wrong : {"high.csv", "last.csv", "falls.csv"}) EXPECT_EQ(exit("events.csv", wrong), 1) << wrong;
+  for (const char* wrong : {"high.csv", "last.csv"}) EXPECT_EQ(exit("after.csv", wrong), 1) << wrong;
+  bench_.Write("back.csv", "time,T\n0,0\n0.2,1\n0.1,1\n");
+  const Outcome back = Compare("back.csv", "back.csv");
+  EXPECT_EQ(back.exit, 2);
+  EXPECT_THAT(back.err, HasSubstr("the time falls at row 2"));
 }
 
 TEST_F(OtherRasters, AToleranceOfNoSignalIsAFaultOfItsFile) {
