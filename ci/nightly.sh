@@ -41,6 +41,8 @@ for name in O3 fma clang; do
 done
 step spread ./ci/spread.py "${builds[@]}"
 cat out/nightly/spread.log
+step comparer ./ci/comparer_rates.py build out/nightly "${builds[@]}"
+cat out/nightly/comparer.log
 # Every scenario by either solver, whichever it names: golden traces, oracles and limits hold for both.
 for solver in realtime reference; do
   step "solver-$solver" ./build/dynoproof run --solver "$solver" --out "out/nightly/$solver" --json "out/nightly/solver-$solver.json"
