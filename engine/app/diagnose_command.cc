@@ -8,6 +8,7 @@
 #include "app/app.h"
 #include "app/interruption.h"
 #include "app/measured.h"
+#include "diagnosis/corrected.h"
 #include "diagnosis/data_check.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/look.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct DiagnoseArguments {
   Common common;
-  std::string scenario, out = "out", html;
+  std::string scenario, method = "free_run", out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
   double most_simulations = diagnosis::DiagnoseOptions().most_simulations;
   double most_cpu_s = 0.0;
@@ -78,7 +79,8 @@ int Diagnose(const DiagnoseArguments& arguments) {
   Result<diagnosis::Diagnosis> result = [&] {
     const Interruption interruption(arguments.common,
                                     [] { return "interrupted: --resume goes on from the fits that are saved\n"; });
-    return diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
+    const auto diagnose = arguments.method == "corrected" ? diagnosis::DiagnoseCorrected : diagnosis::Diagnose;
+    return diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
   }();
   ClearProgress();
   if (!result.ok()) {
@@ -90,7 +92,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   if (arguments.explain) Print(arguments.common, diagnosis::ToText(result->journal));
   for (const std::string& note : result->notes) Note(note + "\n");
   const bool open =
-      result->verdict == diagnosis::Verdict::kAmbiguous || result->verdict == diagnosis::Verdict::kUnexplained;
+      result->verdict != diagnosis::Verdict::kEffectFound && result->verdict != diagnosis::Verdict::kNoEffect;
   const int exit = arguments.strict && open ? kUndecided : kGood;
   int written = kGood;
   if (!arguments.html.empty()) {
@@ -135,6 +137,11 @@ void AddDiagnose(CLI::App& program, int& exit) {
           "--most-cpu", arguments->most_cpu_s,
           "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--method", arguments->method,
+                   "free_run: what the records leave of free runs (default); corrected: of runs that they correct, "
+                   "for models that are not exact either (new, not calibrated)")
+      ->check(CLI::IsMember({"free_run", "corrected"}));
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
   AddExamples(

@@ -30,4 +30,31 @@ inline constexpr double kAlike = 10.0;
 /// Candidates that an ambiguous verdict names at most (the outside relies on it).
 inline constexpr std::size_t kMostAlike = 3;
 
+// --- Diagnosis by corrected prediction (contest.h, settle.h).
+
+/// Memories after which a start is forgotten: what it was wrong by is e^-5 of it; and the most of a record that this takes.
+inline constexpr double kLeadIn = 5.0, kMostLeadIn = 0.2;
+/// Each memory over the one before, and the last one over the record's length: on the heavy-duty line with all nominal values
+/// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth.
+inline constexpr double kLonger = 5.0, kLongest = 8.0;
+/// The longest memory that counts as corrected [of the record].
+inline constexpr double kMostOfRecord = 1.0 / 3.0;
+/// RMS over what noise alone causes up to which a model counts as exact.
+inline constexpr double kNoiseSize = 1.2;
+/// Power beyond the noise's at which an effect may show [of the noise's power; standard errors].
+inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
+/// How well the power of noise is known [of itself]: sixth differences of white noise tell it to that.
+inline constexpr double kNoiseKnown = 0.02;
+/// Candidates that are carried from a first look through all levels.
+inline constexpr std::size_t kCarried = 10;
+/// Least share of the null's excess that a cause removes, on training data.
+inline constexpr double kShare = 0.2;
+/// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.
+inline constexpr double kHeldOutPrior = 0.1, kHeldOutReleased = 0.5;
+/// Excess on data that took no part, over the least of all models, up to which a cause may be one; within a family the
+/// law with the fewest numbers within this of the best stands for it.
+inline constexpr double kMarginBest = 2.0, kMarginFamily = 1.5;
+/// Least share on training data that a cause may have at a level: below it makes things worse there.
+inline constexpr double kHarm = -0.05;
+
 }  // namespace dynoproof::diagnosis::policy

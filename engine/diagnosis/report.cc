@@ -76,8 +76,10 @@ json ToJson(const Diagnosis& d) {
     json parameters = json::object();
     for (const FoundParameter& p : effect.parameters)
       parameters[p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", {p.lower, p.upper}}};
-    out["effects"].push_back(
-        {{"name", effect.name}, {"at", effect.at}, {"confidence", effect.confidence}, {"parameters", parameters}});
+    out["effects"].push_back({{"name", effect.name},
+                              {"at", effect.at},
+                              {"confidence", std::isfinite(effect.confidence) ? json(effect.confidence) : json()},
+                              {"parameters", parameters}});
   }
   for (const Seen& seen : d.would_have_seen)
     out["would_have_seen"].push_back(
@@ -97,7 +99,9 @@ json ToJson(const Diagnosis& d) {
 std::string ToTable(const Diagnosis& d) {
   std::string text = fmt::format("{}: {}\n", ToString(d.verdict), d.reason);
   for (const FoundEffect& effect : d.effects) {
-    text += fmt::format("\n  {} at {}  (confidence {:.3f})\n", effect.name, effect.at, effect.confidence);
+    text +=
+        fmt::format("\n  {} at {}{}\n", effect.name, effect.at,
+                    std::isfinite(effect.confidence) ? fmt::format("  (confidence {:.3f})", effect.confidence) : "");
     for (const FoundParameter& p : effect.parameters)
       text += fmt::format("    {:<14}{:>14} {:<14} 95 %: {} ... {}\n", p.name, p.Text(p.value), p.unit, p.Text(p.lower),
                           p.Text(p.upper));

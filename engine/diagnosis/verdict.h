@@ -8,7 +8,7 @@
 
 namespace dynoproof::diagnosis {
 
-enum class Verdict { kEffectFound, kNoEffect, kAmbiguous, kUnexplained };
+enum class Verdict { kEffectFound, kMainCause, kNoEffect, kAmbiguous, kUnexplained };
 std::string ToString(Verdict verdict);
 
 /// What a verdict rests on, without the fits themselves.

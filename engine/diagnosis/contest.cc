@@ -1,0 +1,350 @@
+#include "diagnosis/contest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "diagnosis/policy.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using estimation::Channel;
+using estimation::ChannelScale;
+using estimation::DataSet;
+using estimation::Estimate;
+using estimation::Fit;
+using estimation::Hypothesis;
+using estimation::LinearModel;
+using estimation::Predictor;
+
+/// Standard error of a channel's power, of itself.
+double PowerError(const ChannelScale& scale, const Channel& channel) {
+  return std::sqrt(2.0 * scale.correlation / static_cast<double>(std::max<Index>(1, channel.count)));
+}
+
+/// A hypothesis without its start: the effect at a place, to be sized by the record.
+struct Candidate {
+  const Effect* effect;
+  Place place;
+  Hypothesis hypothesis;
+  std::vector<VectorXd> starts;  // coordinates of the effect alone
+  std::vector<bool> strengths;   // by its parameter: about linear from its neutral value on
+};
+
+std::vector<Candidate> CandidatesFor(const Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
+                                     const Registry& registry) {
+  std::vector<Candidate> candidates;
+  const DataSet& data = levels.data();
+  for (const Effect* effect : registry.Effects()) {
+    for (const Place& place : effect->Places(base.nominal())) {
+      // A sensor that no record has, and an input that no record drives, cannot be seen.
+      if (place.kind == "output" &&
+          std::ranges::find(data.channels(), place.name, &Channel::name) == data.channels().end())
+        continue;
+      if (place.kind == "input" && !data.records().front().inputs.contains(place.name)) continue;
+      Candidate candidate{effect, place, base.With(*effect, place, magnitudes), {}, {}};
+      const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
+      const auto& parameters = candidate.hypothesis.parameters();
+      for (std::size_t i = 0; i < count; ++i)
+        candidate.strengths.push_back(parameters[first + i].neutral.has_value() &&
+                                      *parameters[first + i].neutral < parameters[first + i].upper);
+      for (const std::vector<double>& start : effect->Starts(base.nominal(), place, magnitudes)) {
+        VectorXd q(static_cast<Index>(count));
+        for (std::size_t i = 0; i < count; ++i) {
+          const estimation::Parameter& own = parameters[first + i];
+          q[static_cast<Index>(i)] = own.CoordinateOf(std::clamp(start[i], own.lower, own.upper));
+        }
+        candidate.starts.push_back(std::move(q));
+      }
+      if (candidate.starts.empty()) candidate.starts.emplace_back(static_cast<Index>(count));
+      candidates.push_back(std::move(candidate));
+    }
+  }
+  return candidates;
+}
+
+/// The null's estimate as a start for a hypothesis with more effects: its own numbers by their names.
+VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q) {
+  VectorXd start = hypothesis.start();
+  for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
+    const auto same =
+        std::ranges::find(other.parameters(), hypothesis.parameters()[i].name, &estimation::Parameter::name);
+    if (same != other.parameters().end()) start[static_cast<Index>(i)] = q[same - other.parameters().begin()];
+  }
+  return start;
+}
+
+/// What one run beside the null says of a candidate: how large it should be, and which share of the error it removes that
+/// nominal values cannot.
+struct Signature {
+  double size = 0.0, removes = -1.0;
+};
+
+class Screen {
+ public:
+  Screen(const Contestant& null, const Predictor& predictor, std::size_t level)
+      : null_(null), predictor_(predictor), estimate_(null.levels[level]) {
+    const MatrixXd& J = estimate_.jacobian;
+    if (J.cols() == 0) return;
+    MatrixXd H = J.transpose() * J;
+    for (Index i = 0; i < H.rows(); ++i) {
+      if (null.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) H(i, i) += 1.0;
+    }
+    inverse_ = H.completeOrthogonalDecomposition().pseudoInverse();
+  }
+
+  Signature Of(const Hypothesis& hypothesis, const VectorXd& q) const {
+    const Result<VectorXd> with = predictor_.Innovations(hypothesis.At(q));
+    if (!with.ok()) return {};
+    VectorXd g = estimate_.innovations - *with;
+    const DataSet& data = predictor_.data();
+    for (std::size_t c = 0; c < data.channels().size(); ++c) {
+      const Channel& channel = data.channels()[c];
+      g.segment(channel.begin, channel.count) /= estimate_.scales[c].rms * std::sqrt(estimate_.scales[c].correlation);
+    }
+    const MatrixXd& J = estimate_.jacobian;
+    if (J.cols() > 0) g -= J * (inverse_ * (J.transpose() * g));
+    const double power = g.squaredNorm(), along = g.dot(estimate_.weighted);
+    if (!(power > 0.0)) return {};
+    return {along / power, along * along / (power * estimate_.weighted.squaredNorm())};
+  }
+
+ private:
+  const Contestant& null_;
+  const Predictor& predictor_;
+  const Estimate& estimate_;
+  MatrixXd inverse_;
+};
+
+/// A hypothesis whose own loop is louder than the nominal one's may not excuse what it leaves with that.
+Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) {
+  if (!estimate.ok() || !null.Holds(level)) return estimate;
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c)
+    estimate.scales[c].noise_alone = std::min(estimate.scales[c].noise_alone, null.levels[level].scales[c].noise_alone);
+  return estimate;
+}
+
+/// One cheap fit from the start that removes most, sized by it.
+Contestant FirstLook(const Candidate& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
+  constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
+  Contestant contestant(candidate.hypothesis);
+  contestant.effect = candidate.effect;
+  contestant.place = candidate.place;
+  contestant.levels.resize(levels.size());
+  for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
+  const Screen screen(null, levels[level], level);
+  const auto own = static_cast<Index>(candidate.hypothesis.of_effects() - candidate.strengths.size());
+  const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
+  VectorXd best = from;
+  double removes = -1.0;
+  for (const VectorXd& start : candidate.starts) {
+    VectorXd q = from;
+    q.segment(own, start.size()) = start;
+    const Signature signature = screen.Of(candidate.hypothesis, q);
+    // Of a strength that may have one sign only, the other sign removes nothing.
+    VectorXd sized = q;
+    const double size = std::copysign(std::clamp(std::abs(signature.size), kLeastSize, kMostSize), signature.size);
+    bool forbidden = false;
+    for (std::size_t i = 0; i < candidate.strengths.size(); ++i) {
+      if (!candidate.strengths[i]) continue;
+      const auto at = own + static_cast<Index>(i);
+      sized[at] = size * q[at];
+      forbidden = forbidden || (size < 0.0 && (sized[at] < candidate.hypothesis.lower()[at] ||
+                                               sized[at] > candidate.hypothesis.upper()[at]));
+    }
+    if (forbidden) sized = q;
+    const double counts = forbidden ? 0.0 : signature.removes;
+    if (counts > removes) removes = counts, best = sized;
+  }
+  const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+  contestant.levels[level] = AsLoudAs(
+      null, level, Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .known = known}));
+  const auto share = [&](std::size_t at) {
+    return 1.0 - std::exp(LogExcess(contestant.levels[at].scales, levels.data()) -
+                          LogExcess(null.levels[at].scales, levels.data()));
+  };
+  if (contestant.Holds(level)) contestant.share = share(level), best = contestant.levels[level].q;
+  // And at the next level: a strong correction leaves little of what only accumulates.
+  const std::size_t next = level + 1;
+  if (next < levels.size() && null.Holds(next)) {
+    const estimation::KnownColumns columns{&null.hypothesis, &null.levels[next]};
+    contestant.levels[next] = AsLoudAs(
+        null, next, Fit(candidate.hypothesis, levels[next], best, {.iterations = 6, .renewals = 1, .known = columns}));
+    if (contestant.Holds(next)) contestant.share = std::max(contestant.share, share(next));
+  }
+  return contestant;
+}
+
+/// At one level: with the null's columns as far as they lead, then with its own.
+Estimate FitWith(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                 const VectorXd& from) {
+  VectorXd near = from;
+  if (null.Holds(level)) {
+    const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+    const Estimate rough =
+        Fit(contestant.hypothesis, levels[level], from, {.iterations = 10, .renewals = 2, .known = known});
+    if (rough.ok()) near = rough.q;
+  }
+  return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near));
+}
+
+/// From its first look through all levels.
+void Carry(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t first) {
+  VectorXd from = contestant.levels[contestant.Holds(first) ? first : first + 1].q;
+  for (std::size_t level = first; level < levels.size(); ++level) {
+    Estimate estimate = FitWith(contestant, null, levels, level, from);
+    if (estimate.ok()) from = estimate.q;
+    contestant.levels[level] = std::move(estimate);
+  }
+}
+
+/// Once more from the values that another model has found, where that ends lower.
+void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& null, const Levels& levels,
+             std::size_t level) {
+  constexpr double kWorth = 1e-3;  // of the logarithm of the excess
+  if (!other.Holds(level)) return;
+  VectorXd from = StartFrom(contestant.hypothesis, other.hypothesis, other.levels[level].q);
+  const auto own = static_cast<Index>(contestant.hypothesis.of_effects());
+  if (contestant.Holds(level)) from.head(own) = contestant.levels[level].q.head(own);
+  // Its own columns do for a few steps; only what ends lower is worth new ones.
+  const bool known = contestant.Holds(level);
+  const estimation::KnownColumns own_columns{&contestant.hypothesis, known ? &contestant.levels[level] : nullptr};
+  Estimate again =
+      AsLoudAs(null, level,
+               Fit(contestant.hypothesis, levels[level], from,
+                   {.iterations = 8, .renewals = 1, .known = known ? std::optional(own_columns) : std::nullopt}));
+  const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
+  if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
+  if (known) again = AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], again.q));
+  if (again.ok()) contestant.levels[level] = std::move(again);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
+                                           const Registry& registry, double compared_from_s, Index most_rows) {
+  std::unique_ptr<Levels> levels(new Levels());
+  const DataSet whole(records, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
+  if (!model.ok()) return model.failure();
+  levels->model_ = *model;
+  const double duration_s = whole.records().front().end_s;
+  const double memory_s = estimation::MemoryFor(*model, duration_s);
+  double from_s = compared_from_s;
+  if (!(from_s > 0.0) && std::ranges::any_of(whole.records(), &MappedRecord::in_motion))
+    from_s = std::min(policy::kLeadIn * memory_s, policy::kMostLeadIn * duration_s);
+  levels->data_ = std::make_unique<DataSet>(records, plan, DataSet::Options{.from_s = from_s, .most_rows = most_rows});
+  const auto known = std::make_shared<mechanics::Decompositions>();
+  // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
+  for (double memory = memory_s; levels->predictors_.empty() || memory < policy::kLongest * duration_s;
+       memory *= policy::kLonger) {
+    if (memory < policy::kMostOfRecord * duration_s) levels->corrected_ = levels->predictors_.size();
+    levels->predictors_.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
+  }
+  levels->predictors_.push_back(
+      from_s > 0.0 ? std::make_unique<Predictor>(*levels->predictors_.front(), from_s)
+                   : std::make_unique<Predictor>(*levels->data_, levels->model_, registry, std::nullopt, known));
+  return levels;
+}
+
+std::string Levels::Name(std::size_t level) const {
+  return level == free_run() ? "free run" : fmt::format("memory {:.3g} s", predictors_[level]->observer()->memory_s());
+}
+
+std::int64_t Levels::simulations() const {
+  std::int64_t sum = 0;
+  for (const auto& predictor : predictors_) sum += predictor->simulations();
+  return sum;
+}
+
+bool IsExact(const Estimate& estimate) {
+  return std::ranges::all_of(
+      estimate.scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });
+}
+
+bool HasExcess(const Estimate& estimate, const DataSet& data) {
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
+    const ChannelScale& scale = estimate.scales[c];
+    const double excess = std::pow(scale.rms / scale.noise_alone, 2) - 1.0;
+    if (excess > std::min(policy::kExcess, policy::kExcessErrors * PowerError(scale, data.channels()[c]))) return true;
+  }
+  return false;
+}
+
+double LogExcess(const std::vector<ChannelScale>& scales, const DataSet& data) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < scales.size(); ++c) {
+    const double noise = std::pow(scales[c].noise_alone, 2), power = std::pow(scales[c].rms, 2);
+    const double seen = std::max(policy::kNoiseKnown, 2.0 * PowerError(scales[c], data.channels()[c]));
+    sum += std::log(std::max(power - noise, seen * noise));
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, scales.size()));
+}
+
+Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& levels, const Magnitudes& magnitudes,
+                        const Registry& registry, const std::function<void(double)>& progress) {
+  Contest contest;
+  contest.released = released;
+  const Hypothesis free = released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry);
+  Contestant null(free);
+  std::vector<const Predictor*> order;
+  for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
+  null.levels = estimation::FitThrough(free, order, free.start());
+  // The most corrected level at which anything is left to explain; the free run where nowhere is.
+  contest.first = levels.size();
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!null.Holds(level)) continue;
+    contest.first = level;
+    if (HasExcess(null.levels[level], levels.data())) break;
+  }
+  if (contest.first == levels.size())
+    return Failure{"the nominal model breaks beside the record: " + null.levels.front().broken, base.nominal().id};
+  progress(0.1);
+  const std::vector<Candidate> candidates = CandidatesFor(free, levels, magnitudes, registry);
+  std::vector<std::optional<Contestant>> seen(candidates.size());
+  std::atomic<std::size_t> done = 0;
+  ParallelFor(candidates.size(), 0, [&](std::size_t i) {
+    seen[i] = FirstLook(candidates[i], null, levels, contest.first);
+    progress(0.1 + 0.4 * static_cast<double>(++done) / static_cast<double>(candidates.size()));
+  });
+  std::vector<Contestant> ranked;
+  for (std::optional<Contestant>& one : seen) {
+    if (one->Holds(contest.first) || one->Holds(contest.first + 1)) ranked.push_back(*std::move(one));
+  }
+  std::ranges::stable_sort(ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
+  const std::size_t kept = std::min(policy::kCarried, ranked.size());
+  done = 0;
+  ParallelFor(kept, 0, [&](std::size_t i) {
+    Carry(ranked[i], null, levels, contest.first);
+    progress(0.5 + 0.4 * static_cast<double>(++done) / static_cast<double>(kept));
+  });
+  contest.contestants.push_back(std::move(null));
+  for (std::size_t i = 0; i < ranked.size(); ++i)
+    (i < kept ? contest.contestants : contest.left_behind).push_back(std::move(ranked[i]));
+  // All, and the null, once more from the values that the leader has found.
+  for (std::size_t level = contest.first; level < levels.size(); ++level) {
+    const Contestant* leader = nullptr;
+    for (const Contestant& one : contest.contestants) {
+      if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
+                                                        LogExcess(leader->levels[level].scales, levels.data())))
+        leader = &one;
+    }
+    if (leader == nullptr) continue;
+    const Contestant before = contest.null();
+    ParallelFor(contest.contestants.size(), 0, [&](std::size_t i) {
+      if (&contest.contestants[i] != leader) FitFrom(contest.contestants[i], *leader, before, levels, level);
+    });
+  }
+  progress(1.0);
+  return contest;
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,261 @@
+#include "diagnosis/corrected.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/contest.h"
+#include "diagnosis/extend.h"
+#include "diagnosis/judgement.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/settle.h"
+#include "experiment/drive_by_record.h"
+#include "identification/nuisance.h"
+#include "identification/start.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr Eigen::Index kRows = 4000;  // of a channel, that are compared
+
+/// What is compared, and what takes no part.
+struct Parts {
+  std::unique_ptr<Levels> training, held_out;
+};
+
+Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                    const Registry& registry) {
+  std::vector<MappedRecord> first = data;
+  if (holdout.empty()) {
+    for (MappedRecord& record : first) {
+      record = OntoClock(std::move(record), plan);
+      identification::CutRecord(record, kTrainingShare);
+    }
+  }
+  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows);
+  if (!training.ok()) return training.failure();
+  const double from_s = holdout.empty() ? kTrainingShare * data.front().end_s : 0.0;
+  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, holdout.empty() ? data : holdout, registry, from_s, kRows);
+  if (!held.ok()) return held.failure();
+  return Parts{*std::move(training), *std::move(held)};
+}
+
+/// What a plan leaves beyond the noise at the longest corrected level and in the free run.
+HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {
+  const auto at = [&](std::size_t level) -> std::optional<double> {
+    const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
+    if (!rows.ok()) return std::nullopt;
+    return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
+  };
+  return {at(levels.corrected()), at(levels.free_run())};
+}
+
+/// Of each contestant, over what the plan as given leaves.
+std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, const HeldOut& given) {
+  std::vector<HeldOut> all;
+  for (const Contestant& one : contest.contestants) {
+    const std::size_t level = one.levels.size() - 1;
+    HeldOut own;
+    if (one.Holds(level)) own = LogExcessOf(one.hypothesis.At(one.levels[level].q), held_out);
+    if (own.corrected) *own.corrected -= given.corrected.value_or(0.0);
+    if (own.free_run) *own.free_run -= given.free_run.value_or(0.0);
+    all.push_back(own);
+  }
+  return all;
+}
+
+/// The least of all, the plan as given (0) among them.
+HeldOut LeastOf(const std::vector<std::vector<HeldOut>>& passes) {
+  HeldOut least{0.0, 0.0};
+  for (const auto& pass : passes) {
+    for (const HeldOut& one : pass) {
+      least.corrected = std::min(*least.corrected, one.corrected.value_or(0.0));
+      least.free_run = std::min(*least.free_run, one.free_run.value_or(0.0));
+    }
+  }
+  return least;
+}
+
+/// A fit as the report and the extended scenario take it: nominal values in deviations, effects with their numbers.
+identification::Hypothesis AsReported(const EstimationProblem& problem, const Contestant& one,
+                                      const Eigen::VectorXd& q) {
+  identification::Hypothesis hypothesis = problem.Nominal();
+  const auto& parameters = one.hypothesis.parameters();
+  const std::size_t own = one.hypothesis.of_effects();
+  for (std::size_t i = own; i < parameters.size(); ++i) {
+    const double value = parameters[i].ValueAt(q[static_cast<Eigen::Index>(i)]);
+    for (std::size_t k = 0; k < problem.nuisances().size(); ++k) {
+      const identification::Nuisance& nuisance = problem.nuisances()[k];
+      const double nominal = problem.plan().root.NumberOr(nuisance.path, 0.0);
+      if (nuisance.path != parameters[i].name) continue;
+      hypothesis.z[k] = (nuisance.relative ? std::log(value / nominal) : value - nominal) / nuisance.spread;
+    }
+  }
+  if (one.effect != nullptr) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < own; ++i) values.push_back(parameters[i].ValueAt(q[static_cast<Eigen::Index>(i)]));
+    hypothesis.effects.push_back({one.effect, one.place, std::move(values)});
+  }
+  return hypothesis;
+}
+
+/// The numbers of an effect with intervals: at the deciding level of an exact model, else the hull over all levels, for how
+/// much a number depends on what is taken for unknown is what the model's error makes of it.
+FoundEffect FoundOf(const Contestant& one, const Levels& levels, const Settled& settled) {
+  constexpr double kTwoSided = 1.959964;
+  FoundEffect found;
+  found.name = one.effect->info().name;
+  found.at = one.place.ToString();
+  found.confidence = std::numeric_limits<double>::quiet_NaN();  // until it is calibrated
+  const estimation::Estimate& fit = one.levels[settled.level];
+  const auto own = static_cast<Eigen::Index>(one.hypothesis.of_effects());
+  Eigen::VectorXd low = fit.q, high = fit.q;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!one.Holds(level) || (settled.exact && level != settled.level)) continue;
+    const Eigen::VectorXd half =
+        kTwoSided *
+        estimation::Sandwich(one.levels[level], levels.data(), one.hypothesis).diagonal().cwiseMax(0.0).cwiseSqrt();
+    low = low.cwiseMin(one.levels[level].q - half);
+    high = high.cwiseMax(one.levels[level].q + half);
+  }
+  const auto count = static_cast<Eigen::Index>(one.effect->info().parameters.size());
+  for (Eigen::Index i = own - count; i < own; ++i) {
+    const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
+    const EffectParameter& known = one.effect->info().parameters[static_cast<std::size_t>(i - own + count)];
+    const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
+    found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+  }
+  return found;
+}
+
+/// One model through diagnosis' eyes: what it gains, where the given one is wrong, what is left.
+Status Describe(const Parts& parts, const Contest& contest, const Settled& settled, const EstimationProblem& problem,
+                const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                const DiagnoseOptions& options, Diagnosis& result) {
+  const Levels& levels = *parts.training;
+  const std::size_t chosen = !settled.causes.empty() ? settled.causes.front() : settled.best.value_or(0);
+  const Contestant& model = contest.contestants[chosen];
+  std::size_t level = settled.level;
+  while (level > 0 && !model.Holds(level)) --level;
+  if (!model.Holds(level)) return {};
+  const estimation::Estimate& fit = model.levels[level];
+  const identification::Hypothesis hypothesis = AsReported(problem, model, fit.q);
+  for (const std::size_t i : settled.causes) result.effects.push_back(FoundOf(contest.contestants[i], levels, settled));
+  if (settled.causes.empty() && model.effect != nullptr && result.verdict == Verdict::kUnexplained)
+    result.effects.push_back(FoundOf(model, levels, settled));
+  if (result.verdict == Verdict::kAmbiguous) {
+    std::vector<std::string> names;
+    std::vector<identification::EffectInstance> alike;
+    for (const std::size_t i : settled.causes) {
+      const Contestant& one = contest.contestants[i];
+      names.push_back(one.Name());
+      alike.push_back(AsReported(problem, one, one.levels[level].q).effects.front());
+    }
+    result.ambiguous_with.push_back(names);
+    result.experiment_text = SeparatingText(problem, alike);
+    if (const Result<std::string> file = WriteSeparating(problem, alike, options); file.ok())
+      result.experiment_scenario = *file;
+    result.effects.resize(1);
+  }
+  // Gains in the free run, each model from the start that suits it.
+  const auto gains = [&](const std::vector<MappedRecord>& records, double until, double from) {
+    const EstimationProblem of(problem.plan(), records, problem.registry(), until);
+    const Result<Plan> before = identification::FitStarts(of, problem.plan());
+    const Result<Plan> after = identification::FitStarts(of, problem.PlanOf(hypothesis));
+    if (!before.ok() || !after.ok()) return Result<std::map<std::string, SignalGain>>(Failure{"no start"});
+    return MeasureGains(of, *before, *after, from);
+  };
+  if (const auto train = gains(data, holdout.empty() ? kTrainingShare : 1.0, 0.0); train.ok()) result.train = *train;
+  if (const auto held = gains(holdout.empty() ? data : holdout, 1.0, holdout.empty() ? kTrainingShare : 0.0); held.ok())
+    result.holdout = *held;
+  double floor = 0.0;
+  std::vector<double> floors;
+  for (std::size_t c = 0; c < levels.data().channels().size(); ++c) {
+    const estimation::Channel& channel = levels.data().channels()[c];
+    result.floor_by_signal[channel.name] = channel.noise;
+    floors.push_back(channel.noise);
+    const auto rows = fit.innovations.segment(channel.begin, channel.count);
+    result.residual_by_signal[channel.name] =
+        std::sqrt(rows.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, channel.count)));
+    floor += std::pow(channel.noise / std::max(channel.spread, 1e-300), 2);
+  }
+  result.noise_floor = std::sqrt(floor / static_cast<double>(floors.size()));
+  result.at_noise_floor = IsExact(fit);
+  if (const Result<Eigen::VectorXd> nominal = problem.PredictPlan(problem.plan()); nominal.ok())
+    result.where = Localise(problem, problem.measured() - *nominal, floors);
+  for (std::size_t i = 0; i < hypothesis.z.size(); ++i) {
+    const identification::Nuisance& nuisance = problem.nuisances()[i];
+    if (hypothesis.z[i] == 0.0) continue;
+    const auto value = identification::ValueOf(nuisance, hypothesis.z[i], problem.plan());
+    result.refitted.push_back({nuisance.path, value.nominal, value.value, hypothesis.z[i], nuisance.start});
+  }
+  for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
+    const Contestant& one = contest.contestants[i];
+    const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
+    result.considered.push_back(
+        {one.effect->info().name, one.place.ToString(),
+         named                         ? ""
+         : settled.journal.size() >= i ? settled.journal[i - 1].outcome
+                                       : "",
+         one.Holds(level) ? std::exp(0.5 * LogExcess(one.levels[level].scales, levels.data())) : 0.0});
+  }
+  identification::Estimate reported;
+  reported.hypothesis = hypothesis;
+  if (result.effects.empty() && hypothesis.effects.empty()) return {};
+  const Result<std::string> file = WriteExtended(problem, reported, result, options);
+  if (!file.ok()) return file.failure();
+  result.extended_scenario = *file;
+  return {};
+}
+
+}  // namespace
+
+Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRecord>& data,
+                                    const std::vector<MappedRecord>& holdout, const Registry& registry,
+                                    const DiagnoseOptions& options) {
+  Diagnosis result;
+  result.own_holdout = !holdout.empty();
+  if (holdout.empty()) result.notes.push_back("the last 30 % of the data are the hold-out");
+  options.progress("levels", 0.0);
+  const Result<Parts> parts = Split(plan, data, holdout, registry);
+  if (!parts.ok()) return parts.failure();
+  const Levels& levels = *parts->training;
+  const EstimationProblem problem(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0);
+  const Magnitudes magnitudes = MagnitudesOf(problem);
+  const estimation::Hypothesis base(plan);
+  const HeldOut given = LogExcessOf(plan, *parts->held_out);
+  Result<Contest> contest = Compete(base, false, levels, magnitudes, registry, [&](double share) {
+    options.progress("candidates, nominal values on their priors", 0.5 * share);
+  });
+  if (!contest.ok()) return contest.failure();
+  std::vector<std::vector<HeldOut>> passes = {HeldOutOf(*contest, *parts->held_out, given)};
+  Settled settled = Settle(*contest, levels, passes[0], LeastOf(passes));
+  result.journal = settled.journal;
+  // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
+  if (!settled.exact) {
+    Result<Contest> released = Compete(base, true, levels, magnitudes, registry, [&](double share) {
+      options.progress("candidates, nominal values released", 0.5 + 0.45 * share);
+    });
+    if (released.ok()) {
+      passes.push_back(HeldOutOf(*released, *parts->held_out, given));
+      Settled second = Settle(*released, levels, passes[1], LeastOf(passes));
+      if (!second.exact) settled = Settle(*contest, levels, passes[0], LeastOf(passes));
+      result.journal.insert(result.journal.end(), second.journal.begin(), second.journal.end());
+      if (second.exact || settled.causes.empty()) {
+        settled = std::move(second);
+        contest = std::move(released);
+      }
+    }
+  }
+  result.verdict = settled.verdict;
+  result.reason = settled.reason;
+  if (Status failed = Describe(*parts, *contest, settled, problem, data, holdout, options, result)) return *failed;
+  result.simulations = static_cast<double>(levels.simulations() + parts->held_out->simulations());
+  result.journal.push_back({"verdict", {}, settled.rule, {}, ToString(result.verdict) + ": " + result.reason});
+  return result;
+}
+
+}  // namespace dynoproof::diagnosis

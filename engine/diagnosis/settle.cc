@@ -1,0 +1,272 @@
+#include "diagnosis/settle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/policy.h"
+#include "estimation/encompassing.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using estimation::Comparison;
+using estimation::Estimate;
+using estimation::Weight;
+
+/// The share of the null's excess that a contestant removes at a level.
+double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std::size_t level) {
+  const auto log_excess = [&](std::size_t k) {
+    return LogExcess(contest.contestants[k].levels[level].scales, levels.data());
+  };
+  return 1.0 - std::exp(log_excess(i) - log_excess(0));
+}
+
+/// A number on its bound, or where its effect vanishes, names nothing.
+bool NamesSomething(const Contestant& one, std::size_t level) {
+  constexpr double kOnBound = 1e-3;  // of the width
+  if (one.effect == nullptr || !one.Holds(level)) return false;
+  const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
+  const auto end = static_cast<Eigen::Index>(one.hypothesis.of_effects());
+  for (Eigen::Index i = end - static_cast<Eigen::Index>(one.effect->info().parameters.size()); i < end; ++i) {
+    const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
+    const double q = one.levels[level].q[i], width = upper[i] - lower[i];
+    const bool neutral = parameter.neutral && std::abs(q - parameter.CoordinateOf(*parameter.neutral)) < 1e-9 * width;
+    const bool bound = q > upper[i] - kOnBound * std::min(width, 1.0) || q < lower[i] + 1e-9 * width;
+    if (neutral ||
+        (bound && !(parameter.neutral && *parameter.neutral == parameter.lower && q > lower[i] + 1e-9 * width)))
+      return false;
+  }
+  return true;
+}
+
+/// All models against each other at one level.
+class Weights {
+ public:
+  Weights(const Contest& contest, const Levels& levels, std::size_t level) {
+    const Contestant* leader = nullptr;
+    for (const Contestant& one : contest.contestants) {
+      left_out_.push_back(one.Holds(level)
+                              ? estimation::LeaveBlocksOut(one.levels[level], levels.data(), one.hypothesis)
+                              : Eigen::VectorXd());
+      if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
+                                                        LogExcess(leader->levels[level].scales, levels.data())))
+        leader = &one;
+    }
+    for (std::size_t a = 0; a < left_out_.size(); ++a) {
+      weights_.emplace_back(left_out_.size());
+      for (std::size_t b = 0; b < left_out_.size(); ++b) {
+        if (a != b && left_out_[a].size() > 0 && left_out_[b].size() > 0)
+          weights_[a][b] =
+              estimation::Encompassing(left_out_[a], left_out_[b], levels.data(), leader->levels[level].scales);
+      }
+    }
+  }
+
+  /// Nothing where one of both has no estimate here.
+  const std::optional<Weight>& Of(std::size_t a, std::size_t b) const { return weights_[a][b]; }
+  bool Beats(std::size_t a, std::size_t b) const {
+    return weights_[a][b] && estimation::Compare(*weights_[a][b]) == Comparison::kFirst;
+  }
+
+ private:
+  std::vector<Eigen::VectorXd> left_out_;
+  std::vector<std::vector<std::optional<Weight>>> weights_;
+};
+
+/// Of a law and one that refines it at the same place the plainer stays, unless it is beaten; `beaten(a, b)`: b by a.
+template <class Beats>
+void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, const Beats& beats) {
+  const auto& all = contest.contestants;
+  std::erase_if(standing, [&](std::size_t refined) {
+    return std::ranges::any_of(standing, [&](std::size_t plain) {
+      const EffectTraits& traits = all[refined].effect->info().traits;
+      const bool same = plain != refined && all[plain].place == all[refined].place;
+      return same && traits.refines == all[plain].effect->info().name && !beats(refined, plain);
+    });
+  });
+}
+
+std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
+  std::string text;
+  for (const std::size_t i : which) text += (text.empty() ? "" : ", ") + contest.contestants[i].Name();
+  return text;
+}
+
+JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights& weights, std::size_t level,
+                     std::size_t i) {
+  JournalEntry entry{"comparison",
+                     {contest.contestants[i].Name(), "nominal model"},
+                     levels.Name(level) + (contest.released ? ", nominal values released" : ", under priors"),
+                     {{"share", ShareAt(contest, levels, i, level)}},
+                     ""};
+  const Estimate& fit = contest.contestants[i].levels[level];
+  entry.numbers.emplace_back("excess", std::exp(0.5 * LogExcess(fit.scales, levels.data())));
+  entry.numbers.emplace_back("renewals", fit.renewals);
+  entry.numbers.emplace_back("simulations", static_cast<double>(fit.simulations));
+  if (const std::optional<Weight>& weight = weights.Of(i, 0)) {
+    entry.numbers.emplace_back("weight_of_null", weight->lambda);
+    entry.numbers.emplace_back("standard_error", weight->standard_error);
+  }
+  std::string rivals;
+  for (std::size_t k = 1; k < contest.contestants.size(); ++k) {
+    if (k != i && weights.Beats(k, i)) rivals += (rivals.empty() ? "" : ", ") + contest.contestants[k].Name();
+  }
+  entry.outcome = !weights.Beats(i, 0) ? "does not beat the nominal model"
+                  : rivals.empty()     ? "stands"
+                                       : "beaten by " + rivals;
+  return entry;
+}
+
+}  // namespace
+
+std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels) {
+  // The shortest memory hides what accumulates: it is no level to find nothing at.
+  const std::size_t shortest = levels.size() > 1 ? 1 : 0;
+  for (std::size_t level = levels.size(); level-- > shortest;) {
+    for (const Contestant& one : contest.contestants) {
+      if (one.Holds(level) && IsExact(one.levels[level])) return level;
+    }
+  }
+  return std::nullopt;
+}
+
+Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+               const HeldOut& least) {
+  Settled settled;
+  const auto& all = contest.contestants;
+  const std::string pass = contest.released ? "nominal values released" : "nominal values on their priors";
+  if (const std::optional<std::size_t> level = ExactLevel(contest, levels)) {
+    settled.exact = true;
+    settled.level = *level;
+    const Weights weights(contest, levels, *level);
+    std::vector<std::size_t> standing;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      if (!all[i].Holds(*level)) continue;
+      settled.journal.push_back(EntryOf(contest, levels, weights, *level, i));
+      bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
+                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
+      for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
+      if (stands) standing.push_back(i);
+    }
+    KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
+    std::ranges::stable_sort(standing, [&](std::size_t a, std::size_t b) {
+      return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);
+    });
+    settled.rule = "a model leaves nothing but noise (" + levels.Name(*level) + ", " + pass + ")";
+    settled.causes = standing;
+    if (standing.empty()) {
+      const bool null = all[0].Holds(*level) && IsExact(all[0].levels[*level]) && *level == levels.free_run();
+      settled.verdict = null ? Verdict::kNoEffect : Verdict::kUnexplained;
+      settled.reason = null ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
+                            : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
+    } else if (standing.size() == 1) {
+      settled.verdict = Verdict::kEffectFound;
+      settled.reason =
+          fmt::format("{} leaves nothing but noise, and no other model adds to it", Listed(contest, standing));
+    } else if (standing.size() <= policy::kMostAlike) {
+      settled.verdict = Verdict::kAmbiguous;
+      settled.reason = fmt::format("these records do not separate {}", Listed(contest, standing));
+    } else {
+      settled.reason = fmt::format("{} models leave nothing but noise and are not separated: {}", standing.size(),
+                                   Listed(contest, standing));
+    }
+    return settled;
+  }
+  // Three error models: one beats another where it does so at one level at least and is beaten at none.
+  settled.level = levels.free_run();
+  std::vector<std::optional<Weights>> weights(levels.size());
+  for (std::size_t level = contest.first; level < levels.size(); ++level)
+    weights[level].emplace(contest, levels, level);
+  const auto beats = [&](std::size_t a, std::size_t b) {
+    bool wins = false;
+    for (std::size_t level = contest.first; level < levels.size(); ++level) {
+      wins = wins || weights[level]->Beats(a, b);
+      if (weights[level]->Beats(b, a)) return false;
+    }
+    return wins;
+  };
+  const double wanted = contest.released ? policy::kHeldOutReleased : policy::kHeldOutPrior;
+  const auto held = [&](std::size_t i, bool corrected) {
+    const std::optional<double>& value = corrected ? held_out[i].corrected : held_out[i].free_run;
+    return value.value_or(std::numeric_limits<double>::infinity());
+  };
+  // E of a candidate beside the better of the plan as given (0) and the null.
+  const auto explained = [&](std::size_t i, bool corrected) {
+    return 1.0 - std::exp(held(i, corrected) - std::min(0.0, held(0, corrected)));
+  };
+  std::vector<std::size_t> admitted;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    double most = -1e300, worst = 1e300;
+    for (std::size_t level = contest.first; level < levels.size(); ++level) {
+      if (!all[i].Holds(level) || !all[0].Holds(level)) continue;
+      most = std::max(most, ShareAt(contest, levels, i, level));
+      worst = std::min(worst, ShareAt(contest, levels, i, level));
+    }
+    const bool near = held(i, true) <= *least.corrected + std::log(policy::kMarginBest) &&
+                      held(i, false) <= *least.free_run + std::log(policy::kMarginBest);
+    const double least_explained = std::min(explained(i, true), explained(i, false));
+    const bool in = beats(i, 0) && most > policy::kShare && worst > policy::kHarm && near &&
+                    least_explained >= wanted && NamesSomething(all[i], levels.free_run());
+    if (in) admitted.push_back(i);
+    settled.journal.push_back({"comparison",
+                               {all[i].Name(), "nominal model"},
+                               "no model is exact, " + pass,
+                               {{"most_share", most},
+                                {"least_share", worst},
+                                {"held_out_corrected", explained(i, true)},
+                                {"held_out_free_run", explained(i, false)}},
+                               in             ? "admitted"
+                               : !beats(i, 0) ? "does not beat the nominal model"
+                               : near         ? "too small a share"
+                                              : "far from the best"});
+  }
+  std::vector<std::size_t> standing;
+  for (const std::size_t i : admitted) {
+    if (std::ranges::none_of(admitted, [&](std::size_t k) { return k != i && beats(k, i); })) standing.push_back(i);
+  }
+  KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return beats(a, b); });
+  // Within a family the law with the fewest numbers that is not far from the family's best.
+  const auto family = [&](std::size_t i) {
+    const std::string& own = all[i].effect->info().traits.family;
+    return (own.empty() ? all[i].effect->info().name : own) + "@" + all[i].place.ToString();
+  };
+  std::vector<std::size_t> plain;
+  for (const std::size_t i : standing) {
+    const bool other = std::ranges::any_of(standing, [&](std::size_t k) {
+      const auto numbers = [&](std::size_t n) { return all[n].effect->info().parameters.size(); };
+      return k != i && family(k) == family(i) && numbers(k) < numbers(i) &&
+             held(k, false) <= held(i, false) + std::log(policy::kMarginFamily);
+    });
+    if (!other) plain.push_back(i);
+  }
+  std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, false) < held(b, false); });
+  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + pass + ")";
+  settled.causes = plain;
+  double largest = 0.0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const double share = std::min(explained(i, true), explained(i, false));
+    if (share > largest) largest = share, settled.best = i;
+  }
+  if (plain.size() == 1) {
+    settled.verdict = Verdict::kMainCause;
+    settled.reason = fmt::format(
+        "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
+        "more than noise",
+        all[plain[0]].Name(), 100.0 * explained(plain[0], false));
+  } else if (!plain.empty() && plain.size() <= policy::kMostAlike) {
+    settled.verdict = Verdict::kAmbiguous;
+    settled.reason = fmt::format("these records do not separate {}", Listed(contest, plain));
+  } else if (plain.empty()) {
+    settled.reason = settled.best
+                         ? fmt::format("no effect explains enough; most removes {}, {:.0f} % on data that took no part",
+                                       all[*settled.best].Name(), 100.0 * largest)
+                         : "no effect makes the prediction better on data that took no part";
+  } else {
+    settled.reason = fmt::format("{} effects explain alike: {}", plain.size(), Listed(contest, plain));
+  }
+  return settled;
+}
+
+}  // namespace dynoproof::diagnosis

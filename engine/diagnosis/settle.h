@@ -1,0 +1,38 @@
+// From the fits of a contest to a verdict: the rows of a table, of which the first that applies decides.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/contest.h"
+#include "diagnosis/journal.h"
+#include "diagnosis/verdict.h"
+
+namespace dynoproof::diagnosis {
+
+/// Logarithm of what a model leaves beyond the noise on data that took no part, over what the plan as given leaves there: in
+/// a run that the record corrects, and in the free run. Nothing: that run breaks.
+struct HeldOut {
+  std::optional<double> corrected, free_run;
+};
+
+struct Settled {
+  Verdict verdict = Verdict::kUnexplained;
+  std::vector<std::size_t> causes;  // of Contest::contestants: one, or those that cannot be told apart
+  std::optional<std::size_t> best;  // that removes most, where no cause is named
+  std::size_t level = 0;            // at which was compared
+  bool exact = false;               // a model leaves nothing but noise there
+  std::string rule, reason;
+  Journal journal;
+};
+
+/// Whether this contest decides by exactness: a model leaves nothing but noise, in the free run or at the longest level
+/// below. Then the weights of models against each other decide, and the share of the null's excess that is removed.
+std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels);
+
+/// `held_out`: by contestant. `better`: the least of them over this and any other contest.
+Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+               const HeldOut& least);
+
+}  // namespace dynoproof::diagnosis

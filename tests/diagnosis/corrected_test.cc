@@ -1,0 +1,79 @@
+// Diagnosis by corrected prediction on records that the engine makes: nominal values drawn within their priors, noise of a
+// hundredth, and one effect hidden, or none.
+#include "diagnosis/corrected.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+namespace fs = std::filesystem;
+using estimation::RecordOf;
+using estimation::Scenario;
+using estimation::WithEffect;
+
+const char* const kScenario = "scenarios/diagnose/heavy_duty_lumped.toml";
+
+/// The line as it was built: inertias within a percent, stiffnesses within 1.2, of what is written.
+Plan AsBuilt(Plan plan) {
+  int k = 0;
+  for (Value::Entry& entry : plan.root["plant"]["inertia"].table())
+    entry.value = Value(entry.value.number() * (1.0 + 0.01 * (k++ % 3 - 1)));
+  for (Value::Entry& entry : plan.root["plant"]["shaft"].table()) {
+    Value& stiffness = entry.value["stiffness_Nm_per_rad"];
+    stiffness = Value(stiffness.number() * (1.0 + 0.012 * (k++ % 3 - 1)));
+  }
+  return plan;
+}
+
+Diagnosis DiagnosisOf(const Plan& truth, double noise) {
+  const Plan plan = Scenario(kScenario, {"run.duration_s=0.5"});
+  DiagnoseOptions options;
+  const fs::path folder = fs::temp_directory_path() / ("corrected_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  options.out = folder.string();
+  options.scenario_file = kScenario;
+  const Result<Diagnosis> result =
+      DiagnoseCorrected(plan, {RecordOf(truth, noise, {"T_shaft", "omega_1"})}, {}, testing::BuiltIns(), options);
+  EXPECT_TRUE(result.ok()) << result.failure().ToString();
+  fs::remove_all(folder);
+  return result.ok() ? *result : Diagnosis();
+}
+
+Plan Nominal() { return Scenario(kScenario, {"run.duration_s=0.5"}); }
+
+TEST(SlowCorrected, NamesNothingWhereNothingIsHidden) {
+  const Diagnosis found = DiagnosisOf(AsBuilt(Nominal()), 0.01);
+  EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason;
+  EXPECT_TRUE(found.effects.empty());
+  EXPECT_TRUE(found.at_noise_floor);
+}
+
+TEST(SlowCorrected, NamesADelayOfACommandAndNotOfASensor) {
+  const Diagnosis found =
+      DiagnosisOf(WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4}), 0.01);
+  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
+  EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "actuator_delay@input:T_airgap");
+  EXPECT_NEAR(found.effects[0].parameters[0].value, 2.5e-4, 5e-6);
+  EXPECT_LT(found.effects[0].parameters[0].lower, 2.5e-4);
+  EXPECT_GT(found.effects[0].parameters[0].upper, 2.5e-4);
+  EXPECT_FALSE(found.journal.empty());
+}
+
+TEST(SlowCorrected, NamesDryFrictionAtItsPlace) {
+  const Diagnosis found = DiagnosisOf(WithEffect(AsBuilt(Nominal()), "coulomb_friction", "inertia:I5", {30.0}), 0.005);
+  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
+  EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "coulomb_friction@inertia:I5");
+  EXPECT_NEAR(found.effects[0].parameters[0].value, 30.0, 1.5);
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,95 @@
+#include "estimation/encompassing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+#include "tests/estimation/four_masses.h"
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::estimation {
+namespace {
+
+/// Two channels of 2001 rows; what they hold does not matter here.
+const DataSet& Data() {
+  static const DataSet data({RecordOf(FourMasses(0.2), 0.01, {"T_shaft", "omega_1"})}, FourMasses(0.2));
+  return data;
+}
+
+Eigen::VectorXd Noise(std::uint64_t seed, Eigen::Index rows) {
+  Eigen::VectorXd noise(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) noise[i] = RandomNormal(seed, 0, static_cast<std::uint64_t>(i));
+  return noise;
+}
+
+TEST(LeaveBlocksOut, IsWhatRefittingGives) {
+  const Eigen::Index n = Data().measured().size();
+  // A line with two numbers, fitted by least squares; the innovations are y - X b, so that J = -X.
+  Eigen::MatrixXd X(n, 2);
+  X.col(0).setOnes();
+  X.col(1) = Noise(1, n);
+  const Eigen::VectorXd y = X * Eigen::Vector2d(0.4, -1.3) + Noise(2, n);
+  const Eigen::Vector2d b = X.colPivHouseholderQr().solve(y);
+  Plan plan = FourMasses(0.2);
+  Hypothesis two(plan);
+  for (const char* name : {"plant.inertia.I1", "plant.inertia.I2"}) {
+    Parameter parameter;
+    parameter.name = name;
+    parameter.lower = -1e3, parameter.upper = 1e3;
+    two = two.WithFree(parameter);
+  }
+  Estimate estimate;
+  estimate.q = b;
+  estimate.innovations = estimate.weighted = y - X * b;
+  estimate.jacobian = -X;
+  estimate.scales.assign(2, {1.0, 1.0, 1.0});
+  const Eigen::VectorXd left = LeaveBlocksOut(estimate, Data(), two);
+  const std::vector<Block> blocks = BlocksOf(Data());
+  ASSERT_EQ(blocks.size(), 40U);
+  Eigen::MatrixXd others = X;
+  Eigen::VectorXd target = y;
+  for (const Block::Rows& rows : blocks[7].rows) {
+    others.middleRows(rows.begin, rows.count).setZero();
+    target.segment(rows.begin, rows.count).setZero();
+  }
+  const Eigen::Vector2d refitted = others.colPivHouseholderQr().solve(target);
+  for (const Block::Rows& rows : blocks[7].rows) {
+    const Eigen::VectorXd truth = y.segment(rows.begin, rows.count) - X.middleRows(rows.begin, rows.count) * refitted;
+    EXPECT_LT((left.segment(rows.begin, rows.count) - truth).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
+TEST(Encompassing, SeesWhichModelAddsNothing) {
+  const Eigen::Index n = Data().measured().size();
+  const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
+  const Eigen::VectorXd noise = Noise(3, n), missed = Noise(4, n), other = Noise(5, n);
+  // The first is right, the second has missed a share of the signal.
+  const Weight right = Encompassing(noise, noise + 0.5 * missed, Data(), scales);
+  EXPECT_NEAR(right.lambda, 0.0, 4.0 * right.standard_error);
+  EXPECT_EQ(Compare(right), Comparison::kFirst);
+  EXPECT_EQ(Compare(Encompassing(noise + 0.5 * missed, noise, Data(), scales)), Comparison::kSecond);
+  // Each has missed another half.
+  EXPECT_EQ(Compare(Encompassing(noise + missed, noise + other, Data(), scales)), Comparison::kBoth);
+  // They differ by next to nothing.
+  EXPECT_EQ(Compare(Encompassing(noise, noise + 1e-3 * missed, Data(), scales)), Comparison::kNotSeparable);
+  EXPECT_EQ(Compare(Encompassing(noise, noise, Data(), scales)), Comparison::kNotSeparable);
+}
+
+TEST(Encompassing, ErrsAsOftenAsItsErrorSays) {
+  const Eigen::Index n = Data().measured().size();
+  const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
+  int beyond = 0;
+  constexpr int kDraws = 400;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    const Eigen::VectorXd noise = Noise(1000 + draw, n);
+    const Weight weight = Encompassing(noise, noise + 0.2 * Noise(5000 + draw, n), Data(), scales);
+    beyond += std::abs(weight.lambda) > 1.96 * weight.standard_error ? 1 : 0;
+  }
+  // 5 % of 400 are 20 +- 4.4; the larger of two errors is a little large.
+  EXPECT_GT(beyond, 5);
+  EXPECT_LT(beyond, 33);
+}
+
+}  // namespace
+}  // namespace dynoproof::estimation
