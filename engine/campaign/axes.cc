@@ -31,6 +31,9 @@ std::string TextOf(const Value& value) {
 }
 
 void AxisSpec::Check(Faults& faults) const {
+  // As KEY=VALUE it would set the part before the sign, and the key itself would be nowhere.
+  if (key.find('=') != std::string::npos)
+    faults.At("key", fmt::format("the key \"{}\" has a \"=\"", key), "a dotted path such as plant.inertia.I5");
   int ways = 0;
   for (const bool given : {!list.empty(), !grid.empty(), !choice.empty(), !uniform.empty(), !log_uniform.empty(),
                            !normal.empty(), !log_normal.empty()})

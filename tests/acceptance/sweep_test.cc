@@ -227,6 +227,7 @@ TEST_F(Campaign, WhatIsWrongIsSaidBeforeAnythingRuns) {
   };
   refused("samples = 12", "samples = 0", "has no runs");
   refused("plant.inertia.I3", "plant.inertia.J3", "axis plant.inertia.J3");
+  refused("plant.inertia.I3", "plant.inertia=.I3", "has a \"=\"");
   refused("uniform = [0.8, 1.2]", "uniform = [1.2, 0.8]", "the range is empty");
   refused("uniform = [0.8, 1.2]", "uniform = [-0.2, 1.2]", "narrow the axis");
   refused("uniform = [0.8, 1.2]", "list = []", "0 ways");
