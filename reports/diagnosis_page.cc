@@ -23,14 +23,14 @@ std::string Causes(const Diagnosis& d) {
   std::string rows;
   for (const diagnosis::FoundEffect& effect : d.effects) {
     for (const diagnosis::FoundParameter& parameter : effect.parameters) {
-      rows +=
-          Row(std::vector<Cell>{{Escape(effect.name), "key"},
-                                {Escape(effect.at)},
-                                {fmt::format("{:.1f} %", 100.0 * effect.confidence), "number"},
-                                {Escape(parameter.name)},
-                                {parameter.Text(parameter.value), "number"},
-                                {parameter.Text(parameter.lower) + " ... " + parameter.Text(parameter.upper), "number"},
-                                {Unit(parameter.unit)}});
+      rows += Row(std::vector<Cell>{
+          {Escape(effect.name), "key"},
+          {Escape(effect.at)},
+          {effect.confidence ? fmt::format("{:.1f} %", 100.0 * *effect.confidence) : "not calibrated", "number"},
+          {Escape(parameter.name)},
+          {parameter.Text(parameter.value), "number"},
+          {parameter.Text(parameter.lower) + " ... " + parameter.Text(parameter.upper), "number"},
+          {Unit(parameter.unit)}});
     }
   }
   return "<h2>Cause</h2>\n" + Table(std::vector<Cell>{{"effect"},

@@ -21,7 +21,7 @@ namespace {
 
 constexpr Eigen::Index kRows = 4000;  // of a channel, that are compared
 
-/// What is compared, and what takes no part.
+/// The records that models are fitted to, and those that judge them afterwards.
 struct Parts {
   std::unique_ptr<Levels> training, held_out;
 };
@@ -43,7 +43,7 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   return Parts{*std::move(training), *std::move(held)};
 }
 
-/// What a plan leaves beyond the noise at the longest corrected level and in the free run.
+/// The log excess of a plan's innovations at the longest corrected level and in the free run.
 HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {
   const auto at = [&](std::size_t level) -> std::optional<double> {
     const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
@@ -109,7 +109,6 @@ FoundEffect FoundOf(const Contestant& one, const Levels& levels, const Settled& 
   FoundEffect found;
   found.name = one.effect->info().name;
   found.at = one.place.ToString();
-  found.confidence = std::numeric_limits<double>::quiet_NaN();  // until it is calibrated
   const estimation::Estimate& fit = one.levels[settled.level];
   const auto own = static_cast<Eigen::Index>(one.hypothesis.of_effects());
   Eigen::VectorXd low = fit.q, high = fit.q;
@@ -131,7 +130,24 @@ FoundEffect FoundOf(const Contestant& one, const Levels& levels, const Settled& 
   return found;
 }
 
-/// One model through diagnosis' eyes: what it gains, where the given one is wrong, what is left.
+/// What the comparison said of a candidate, by its name.
+std::string OutcomeOf(const Settled& settled, const std::string& name) {
+  const auto entry = std::ranges::find_if(
+      settled.journal, [&](const JournalEntry& one) { return !one.compared.empty() && one.compared.front() == name; });
+  return entry != settled.journal.end() ? entry->outcome : "its run breaks where models are compared";
+}
+
+/// RMS over the channels of what a model leaves at a level, over the spread of the signal; NaN where its run breaks.
+double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
+  if (!one.Holds(level)) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  const std::vector<estimation::Channel>& channels = levels.data().channels();
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    sum += std::pow(one.levels[level].scales[c].rms / std::max(channels[c].spread, 1e-300), 2);
+  return std::sqrt(sum / static_cast<double>(channels.size()));
+}
+
+/// What a person sees of the model that was chosen: what it gains, where the given one is wrong, what is left.
 Status Describe(const Parts& parts, const Contest& contest, const Settled& settled, const EstimationProblem& problem,
                 const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                 const DiagnoseOptions& options, Diagnosis& result) {
@@ -195,12 +211,8 @@ Status Describe(const Parts& parts, const Contest& contest, const Settled& settl
   for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
     const Contestant& one = contest.contestants[i];
     const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
-    result.considered.push_back(
-        {one.effect->info().name, one.place.ToString(),
-         named                         ? ""
-         : settled.journal.size() >= i ? settled.journal[i - 1].outcome
-                                       : "",
-         one.Holds(level) ? std::exp(0.5 * LogExcess(one.levels[level].scales, levels.data())) : 0.0});
+    result.considered.push_back({one.effect->info().name, one.place.ToString(),
+                                 named ? "" : OutcomeOf(settled, one.Name()), NrmseOf(one, levels, level)});
   }
   identification::Estimate reported;
   reported.hypothesis = hypothesis;

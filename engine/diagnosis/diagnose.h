@@ -28,7 +28,7 @@ struct FoundParameter {
 };
 struct FoundEffect {
   std::string name, at;
-  double confidence = 0.0;  // against the other candidates, from the evidence
+  std::optional<double> confidence;  // against the other candidates, from the evidence; nothing: not calibrated
   std::vector<FoundParameter> parameters;
 };
 struct Seen {

@@ -78,7 +78,7 @@ json ToJson(const Diagnosis& d) {
       parameters[p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", {p.lower, p.upper}}};
     out["effects"].push_back({{"name", effect.name},
                               {"at", effect.at},
-                              {"confidence", std::isfinite(effect.confidence) ? json(effect.confidence) : json()},
+                              {"confidence", OrNull(effect.confidence)},
                               {"parameters", parameters}});
   }
   for (const Seen& seen : d.would_have_seen)
@@ -99,9 +99,8 @@ json ToJson(const Diagnosis& d) {
 std::string ToTable(const Diagnosis& d) {
   std::string text = fmt::format("{}: {}\n", ToString(d.verdict), d.reason);
   for (const FoundEffect& effect : d.effects) {
-    text +=
-        fmt::format("\n  {} at {}{}\n", effect.name, effect.at,
-                    std::isfinite(effect.confidence) ? fmt::format("  (confidence {:.3f})", effect.confidence) : "");
+    text += fmt::format("\n  {} at {}{}\n", effect.name, effect.at,
+                        effect.confidence ? fmt::format("  (confidence {:.3f})", *effect.confidence) : "");
     for (const FoundParameter& p : effect.parameters)
       text += fmt::format("    {:<14}{:>14} {:<14} 95 %: {} ... {}\n", p.name, p.Text(p.value), p.unit, p.Text(p.lower),
                           p.Text(p.upper));
