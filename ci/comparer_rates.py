@@ -37,7 +37,7 @@ def percent(seen, total):
 def text_of(rates, comparisons, runs):
     failed = sum(1 for one in comparisons if not one[2])
     lines = [
-        f"What the comparison with golden traces sees: {rates['signals']} signals of {rates['traces']} golden traces, altered",
+        f"The comparison with golden traces was tried on {rates['signals']} signals of {rates['traces']} golden traces, altered",
         "in runs that pass (`ci/comparer_rates.py`). A half-width is what the tube allows, mostly 1e-7 of the nominal.",
         "",
         "| deviation | size | seen |",

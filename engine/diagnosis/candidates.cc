@@ -8,7 +8,12 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-/// Parameters that scale an effect about linearly from its neutral value, where that value is finite and within reach.
+std::string FamilyOf(const Effect& effect) {
+  return effect.info().traits.family.empty() ? effect.info().name : effect.info().traits.family;
+}
+
+}  // namespace
+
 std::vector<std::size_t> StrengthsOf(const Effect& effect) {
   std::vector<std::size_t> strengths;
   const std::vector<EffectParameter>& parameters = effect.info().parameters;
@@ -17,12 +22,6 @@ std::vector<std::size_t> StrengthsOf(const Effect& effect) {
   }
   return strengths;
 }
-
-std::string FamilyOf(const Effect& effect) {
-  return effect.info().traits.family.empty() ? effect.info().name : effect.info().traits.family;
-}
-
-}  // namespace
 
 Magnitudes MagnitudesOf(const EstimationProblem& problem) {
   Magnitudes m;
@@ -55,11 +54,7 @@ std::vector<Candidate> CandidatesFor(const EstimationProblem& problem, const Mag
     const Effect* plainer = problem.registry().FindEffect(traits.refines);
     const std::vector<Place> places = effect->Places(problem.plan());
     for (const Place& place : places) {
-      // A sensor that no record has, and an input that no record drives, cannot be seen.
-      if (place.kind == "output" && std::none_of(problem.channels().begin(), problem.channels().end(),
-                                                 [&](const Channel& c) { return c.name == place.name; }))
-        continue;
-      if (place.kind == "input" && !problem.records().front().inputs.contains(place.name)) continue;
+      if (!CanBeSeen(place, problem.channels(), problem.records().front())) continue;
       Candidate candidate{effect, place, effect->Starts(problem.plan(), place, magnitudes), StrengthsOf(*effect),
                           false};
       candidate.family = FamilyOf(plainer != nullptr ? *plainer : *effect);

@@ -2,6 +2,7 @@
 // Effects take them from the record's own magnitudes, because their bounds span machines of all sizes.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "diagnosis/terms.h"
@@ -24,6 +25,18 @@ struct Candidate {
   std::string ToString() const { return effect->info().name + "@" + place.ToString(); }
   EffectInstance At(std::vector<double> parameters) const { return {effect, place, std::move(parameters)}; }
 };
+
+/// Whether records can show an effect at a place: a sensor that no record has, and an input that no record drives, cannot be
+/// seen. `channels`: of the records' outputs, by `name`.
+template <class Channels>
+bool CanBeSeen(const Place& place, const Channels& channels, const MappedRecord& first) {
+  if (place.kind == "output")
+    return std::ranges::any_of(channels, [&](const auto& channel) { return channel.name == place.name; });
+  return place.kind != "input" || first.inputs.contains(place.name);
+}
+
+/// Parameters that scale an effect about linearly from its neutral value, where that value is finite and within reach.
+std::vector<std::size_t> StrengthsOf(const Effect& effect);
 
 /// Of the first record.
 Magnitudes MagnitudesOf(const EstimationProblem& problem);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "diagnosis/candidates.h"
 #include "diagnosis/policy.h"
 
 namespace dynoproof::diagnosis {
@@ -31,31 +32,24 @@ double PowerError(const ChannelScale& scale, const Channel& channel) {
 }
 
 /// A hypothesis without its start: the effect at a place, to be sized by the record.
-struct Candidate {
+struct Trial {
   const Effect* effect;
   Place place;
   Hypothesis hypothesis;
-  std::vector<VectorXd> starts;  // coordinates of the effect alone
-  std::vector<bool> strengths;   // by its parameter: about linear from its neutral value on
+  std::vector<VectorXd> starts;        // coordinates of the effect alone
+  std::vector<std::size_t> strengths;  // of its parameters
 };
 
-std::vector<Candidate> CandidatesFor(const Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
-                                     const Registry& registry) {
-  std::vector<Candidate> candidates;
+std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
+                            const Registry& registry) {
+  std::vector<Trial> candidates;
   const DataSet& data = levels.data();
   for (const Effect* effect : registry.Effects()) {
     for (const Place& place : effect->Places(base.nominal())) {
-      // A sensor that no record has, and an input that no record drives, cannot be seen.
-      if (place.kind == "output" &&
-          std::ranges::find(data.channels(), place.name, &Channel::name) == data.channels().end())
-        continue;
-      if (place.kind == "input" && !data.records().front().inputs.contains(place.name)) continue;
-      Candidate candidate{effect, place, base.With(*effect, place, magnitudes), {}, {}};
+      if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
+      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, StrengthsOf(*effect)};
       const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
       const auto& parameters = candidate.hypothesis.parameters();
-      for (std::size_t i = 0; i < count; ++i)
-        candidate.strengths.push_back(parameters[first + i].neutral.has_value() &&
-                                      *parameters[first + i].neutral < parameters[first + i].upper);
       for (const std::vector<double>& start : effect->Starts(base.nominal(), place, magnitudes)) {
         VectorXd q(static_cast<Index>(count));
         for (std::size_t i = 0; i < count; ++i) {
@@ -64,7 +58,6 @@ std::vector<Candidate> CandidatesFor(const Hypothesis& base, const Levels& level
         }
         candidate.starts.push_back(std::move(q));
       }
-      if (candidate.starts.empty()) candidate.starts.emplace_back(static_cast<Index>(count));
       candidates.push_back(std::move(candidate));
     }
   }
@@ -133,7 +126,7 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
 }
 
 /// One cheap fit from the start that removes most, sized by it.
-Contestant FirstLook(const Candidate& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
+Contestant FirstLook(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
   constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
   Contestant contestant(candidate.hypothesis);
   contestant.effect = candidate.effect;
@@ -141,7 +134,7 @@ Contestant FirstLook(const Candidate& candidate, const Contestant& null, const L
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
   const Screen screen(null, levels[level], level);
-  const auto own = static_cast<Index>(candidate.hypothesis.of_effects() - candidate.strengths.size());
+  const auto own = static_cast<Index>(candidate.hypothesis.of_effects() - candidate.effect->info().parameters.size());
   const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
   VectorXd best = from;
   double removes = -1.0;
@@ -149,12 +142,11 @@ Contestant FirstLook(const Candidate& candidate, const Contestant& null, const L
     VectorXd q = from;
     q.segment(own, start.size()) = start;
     const Signature signature = screen.Of(candidate.hypothesis, q);
-    // Of a strength that may have one sign only, the other sign removes nothing.
+    // A strength that is bounded to one sign removes nothing where the record asks for the other sign.
     VectorXd sized = q;
     const double size = std::copysign(std::clamp(std::abs(signature.size), kLeastSize, kMostSize), signature.size);
     bool forbidden = false;
-    for (std::size_t i = 0; i < candidate.strengths.size(); ++i) {
-      if (!candidate.strengths[i]) continue;
+    for (const std::size_t i : candidate.strengths) {
       const auto at = own + static_cast<Index>(i);
       sized[at] = size * q[at];
       forbidden = forbidden || (size < 0.0 && (sized[at] < candidate.hypothesis.lower()[at] ||
@@ -240,7 +232,7 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   const double memory_s = estimation::MemoryFor(*model, duration_s);
   double from_s = compared_from_s;
   if (!(from_s > 0.0) && std::ranges::any_of(whole.records(), &MappedRecord::in_motion))
-    from_s = std::min(policy::kLeadIn * memory_s, policy::kMostLeadIn * duration_s);
+    from_s = estimation::LeadInOf(memory_s, duration_s);
   levels->data_ = std::make_unique<DataSet>(records, plan, DataSet::Options{.from_s = from_s, .most_rows = most_rows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
@@ -308,7 +300,7 @@ Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& lev
   if (contest.first == levels.size())
     return Failure{"the nominal model breaks beside the record: " + null.levels.front().broken, base.nominal().id};
   progress(0.1);
-  const std::vector<Candidate> candidates = CandidatesFor(free, levels, magnitudes, registry);
+  const std::vector<Trial> candidates = TrialsOf(free, levels, magnitudes, registry);
   std::vector<std::optional<Contestant>> seen(candidates.size());
   std::atomic<std::size_t> done = 0;
   ParallelFor(candidates.size(), 0, [&](std::size_t i) {

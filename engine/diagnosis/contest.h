@@ -57,8 +57,8 @@ struct Contestant {
 bool IsExact(const estimation::Estimate& estimate);
 /// Whether they are larger by so much that an effect may show: a fifth of the noise's power, or five standard errors.
 bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& data);
-/// Mean over channels of the logarithm of the power beyond what noise alone causes. Of what is not seen beside the noise:
-/// of as much as could be seen.
+/// Mean over channels of the logarithm of the power beyond what noise alone causes. A channel that shows none beside the noise
+/// counts with as much as could be seen there.
 double LogExcess(const std::vector<estimation::ChannelScale>& scales, const estimation::DataSet& data);
 
 /// The nominal model and the ten candidates that remove most, each fitted at every level.

@@ -32,8 +32,6 @@ inline constexpr std::size_t kMostAlike = 3;
 
 // --- Diagnosis by corrected prediction (contest.h, settle.h).
 
-/// Memories after which a start is forgotten: what it was wrong by is e^-5 of it; and the most of a record that this takes.
-inline constexpr double kLeadIn = 5.0, kMostLeadIn = 0.2;
 /// Each memory over the one before, and the last one over the record's length: on the heavy-duty line with all nominal values
 /// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth.
 inline constexpr double kLonger = 5.0, kLongest = 8.0;

@@ -75,7 +75,7 @@ class Weights {
   std::vector<std::vector<std::optional<Weight>>> weights_;
 };
 
-/// Of a law and one that refines it at the same place the plainer stays, unless it is beaten; `beaten(a, b)`: b by a.
+/// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.
 template <class Beats>
 void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, const Beats& beats) {
   const auto& all = contest.contestants;

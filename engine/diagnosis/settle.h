@@ -31,7 +31,7 @@ struct Settled {
 /// below. Then the weights of models against each other decide, and the share of the null's excess that is removed.
 std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels);
 
-/// `held_out`: by contestant. `better`: the least of them over this and any other contest.
+/// `held_out`: by contestant. `least`: the smallest over this and any other contest, for each run.
 Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
                const HeldOut& least);
 

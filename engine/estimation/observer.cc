@@ -455,4 +455,9 @@ double MemoryFor(const LinearModel& model, double duration_s) {
   return std::max(std::min(memory_s, kMostOfRecord * duration_s), kFewestSteps * model.period_s);
 }
 
+double LeadInOf(double memory_s, double duration_s) {
+  constexpr double kMemories = 5.0, kMostOfRecord = 0.2;
+  return std::min(kMemories * memory_s, kMostOfRecord * duration_s);
+}
+
 }  // namespace dynoproof::estimation

@@ -80,4 +80,8 @@ class Observer {
 /// tenth of its slowest time constant.
 double MemoryFor(const LinearModel& model, double duration_s);
 
+/// How much of a record that begins in motion is not compared [s]: five memories, after which what a start was wrong by is
+/// e^-5 of it, and a fifth of the record at most.
+double LeadInOf(double memory_s, double duration_s);
+
 }  // namespace dynoproof::estimation

@@ -18,8 +18,6 @@ using estimation::Parameter;
 using estimation::Predictor;
 
 constexpr double kWithoutBounds = 10.0;  // times the nominal value, up and down
-constexpr double kLeadIn = 5.0;          // memories, after which what a start was wrong by is e^-5 of it
-constexpr double kMostLeadIn = 0.2;      // of the record
 constexpr double kLonger = 5.0;  // from level to level; the first is as much shorter than a search's usual memory
 constexpr Eigen::Index kMostRows = 12'000;
 
@@ -132,7 +130,7 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
   // A record that begins as the plan does needs no lead-in, and none is better: what noise makes of a state that is found
   // in one stays in the free run behind it.
   const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
-  const double lead_in_s = in_motion ? std::min(kLeadIn * memories.front(), kMostLeadIn * duration_s) : 0.0;
+  const double lead_in_s = in_motion ? estimation::LeadInOf(memories.front(), duration_s) : 0.0;
   const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   std::vector<std::unique_ptr<Predictor>> levels;
