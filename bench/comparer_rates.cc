@@ -17,6 +17,7 @@
 
 #include "base/random.h"
 #include "experiment/golden.h"
+#include "experiment/thin.h"
 #include "trace/trace_io.h"
 
 namespace dynoproof {
@@ -31,12 +32,22 @@ struct Rate {
 /// By kind, size, and what the size is a multiple of.
 using Rates = std::map<std::tuple<std::string, double, std::string>, Rate>;
 
-/// A trace with one signal alone.
+/// A trace with one signal alone, and what a golden trace tells of what lies between its samples.
 trace::Trace Alone(const trace::Trace& trace, const trace::Signal& signal) {
   trace::Trace alone;
   const std::span<const double> time = trace.TimeOf(signal);
   alone.time.assign(time.begin(), time.end());
   alone.signals.push_back(signal);
+  for (const std::string& name : StretchNames(signal.name)) {
+    const trace::Signal* stretches = trace.Find(name);
+    if (stretches == nullptr) continue;
+    if (alone.other_times.empty()) {
+      const std::span<const double> ends = trace.TimeOf(*stretches);
+      alone.other_times.emplace_back(ends.begin(), ends.end());
+    }
+    alone.signals.push_back(*stretches);
+    alone.signals.back().time_base = 1;
+  }
   alone.signals[0].time_base = 0;
   return alone;
 }
@@ -87,8 +98,9 @@ class Signals {
       if (kept.size() == Values().size()) continue;
       std::size_t at = bits % Values().size();
       while (std::binary_search(kept.begin(), kept.end(), at)) at = (at + 1) % Values().size();
-      for (const double size : {1000.0}) Spike("spike between kept samples", size, "half-widths", at, size * width_);
-      for (const double size : {0.1, 0.5, 1.0, 2.5}) {
+      for (const double size : {10.0, 100.0, 1000.0})
+        Spike("spike between kept samples", size, "half-widths", at, size * width_);
+      for (const double size : {0.01, 0.1}) {
         if (range_ > 0.0) Spike("spike between kept samples", size, "ranges", at, size * range_);
       }
     }
@@ -152,6 +164,7 @@ int Main(const std::filesystem::path& golden_folder, const std::filesystem::path
     ++traces;
     const SignalTolerances widths = tolerances->For(run->provenance.Text("solver").value_or(""));
     for (const trace::Signal& signal : golden->signals) {
+      if (IsOfStretches(*golden, signal)) continue;
       const trace::Signal* of_run = run->Find(signal.name);
       if (of_run == nullptr || !widths.contains(signal.name)) {
         fmt::print(stderr, "{}: \"{}\" is not in the run or has no tolerance\n", file.string(), signal.name);

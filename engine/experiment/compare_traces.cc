@@ -11,18 +11,14 @@
 #include "base/status.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "experiment/thin.h"
 #include "experiment/why.h"
 #include "score/evidence.h"
-#include "score/sliding.h"
 #include "score/tube.h"
 
 namespace dynoproof {
 namespace {
 
-constexpr std::size_t kNeighbours = 64;
-/// How far a run may leave the range of the neighbouring stamps, as a share of that range. On the shipped golden traces,
-/// some of them thinned below twice their highest frequency, the runs leave the range by at most 0.61 of it.
-constexpr double kRoom = 1.0;
 /// Ends that differ by less than this many steps are the same: one program counts the last sample, another does not.
 constexpr double kEndSlack = 1.5;
 /// Share of a step by which two stamps may differ and be the same: the round-off of summed steps.
@@ -103,61 +99,60 @@ Result<CommonSpan> InCommon(const score::Series& reference, const score::Series&
   return common;
 }
 
-/// The samples of `test` at exactly the times of `reference`; empty when it lacks one.
-std::vector<double> SamplesAt(std::span<const double> times, std::span<const double> test_time,
-                              std::span<const double> values) {
-  std::vector<double> samples;
-  const double slack = kStampSlack * score::MedianStep(test_time);
-  for (const double time : times) {
-    const auto it = std::lower_bound(test_time.begin(), test_time.end(), time - slack);
-    if (it == test_time.end() || *it > time + slack) return {};
-    samples.push_back(values[it - test_time.begin()]);
-  }
-  return samples;
-}
-
-/// The sample between those of a thinned reference, or after the last, that leaves the range of its neighbours most.
-struct Farthest {
-  double ratio = 0.0;   // over what is allowed: 1 is the edge
-  double beyond = 0.0;  // the most that any leaves the range widened by its part [unit of the signal]
-  double time_s = 0.0, value = 0.0, low = 0.0, high = 0.0;
+/// What a thinned reference tells of all samples of a signal, in stretches.
+struct Wanted {
+  std::span<const double> ends, least, greatest, mean;
 };
 
-Farthest FarthestBetween(const score::Series& thin, const score::Series& run, double half_width, double hidden) {
-  Farthest farthest;
-  const std::span<const double> grid = thin.time_s;
-  const double slack = kStampSlack * score::MedianStep(run.time_s);
-  score::SlidingExtremes neighbours(grid, thin.values);
-  std::size_t after = 0;  // the first sample of the reference that is not before
-  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
-    while (after < grid.size() && grid[after] < run.time_s[i] - slack) ++after;
-    if (after == 0 || (after < grid.size() && grid[after] <= run.time_s[i] + slack)) continue;
-    neighbours.MoveTo(grid[after - std::min(after, kNeighbours)],
-                      grid[std::min(after + kNeighbours - 1, grid.size() - 1)]);
-    const double low = neighbours.Min(), high = neighbours.Max(), part = kRoom * (high - low);
-    const double outside = std::max(low - run.values[i], run.values[i] - high);
-    const double room = std::max(part, hidden) + half_width, ratio = outside / room;
-    farthest.beyond = std::max(farthest.beyond, outside - part);
-    if (ratio <= farthest.ratio) continue;
-    farthest = {ratio, farthest.beyond, run.time_s[i], run.values[i], low - room, high + room};
+/// Nothing where the reference tells nothing.
+std::optional<Wanted> StretchesIn(const trace::Trace& reference, const trace::Signal& signal) {
+  const auto [least, greatest, mean] = StretchNames(signal.name);
+  const trace::Signal* of[] = {reference.Find(least), reference.Find(greatest), reference.Find(mean)};
+  for (const trace::Signal* one : of) {
+    if (one == nullptr || one->time_base != of[0]->time_base) return std::nullopt;
   }
-  return farthest;
+  return Wanted{reference.TimeOf(*of[0]), of[0]->values, of[1]->values, of[2]->values};
 }
 
-/// Where a run leaves what lies between the samples of a thinned reference, the check fails by that.
-void JudgeBetween(const Farthest& between, const std::string& unit, score::Check& check) {
-  if (between.ratio <= 1.0) return;
-  check.verdict = score::Verdict::kFail;
-  check.value = std::max(check.value, between.ratio);
-  check.explanation = fmt::format(
-      "between two samples of the thinned reference, at t = {:.6g} s: {:.6g} {} where its neighbours allow {:.6g} to "
-      "{:.6g}{}{}",
-      between.time_s, between.value, unit, between.low, between.high, check.explanation.empty() ? "" : "; ",
-      check.explanation);
-  if (between.ratio < check.value) return;
-  const double outside = std::max(between.low - between.value, between.value - between.high);
-  check.shown =
-      fmt::format("{:.3g}{} outside at t = {:.6g} s", outside, unit.empty() ? "" : " " + unit, between.time_s);
+/// The stretch in which a run is farthest from the reference.
+struct Farthest {
+  double distance = 0.0;  // in the unit of the signal
+  std::string what;       // which of its values, and what it is instead
+};
+
+/// No sample is off by more than the tube allows exactly if no such run has another least, greatest or mean value by
+/// more: each of the three moves by no more than the samples. Where the run may be early or late, its extremes stay
+/// within those of the stretches around.
+Farthest FarthestStretch(const Wanted& wanted, const Stretches& had, double time_half_width_s,
+                         const std::string& unit) {
+  Farthest farthest;
+  const std::span<const double> stamps = wanted.ends;
+  const auto take = [&](double distance, std::size_t i, const auto& what, double value, double instead) {
+    if (distance <= farthest.distance) return;
+    farthest = {distance, fmt::format("from t = {:.6g} to {:.6g} s {} is {:.6g}{}{}, and {:.6g} in the reference",
+                                      stamps[i - 1], stamps[i], what(), value, unit.empty() ? "" : " ", unit, instead)};
+  };
+  const auto at = [](const char* extreme, double time_s) {
+    return [extreme, time_s] { return fmt::format("the {} value, at t = {:.6g} s,", extreme, time_s); };
+  };
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (time_half_width_s > 0.0) {
+      std::size_t from = i, to = i;
+      while (from > 0 && stamps[from - 1] > stamps[i - 1] - time_half_width_s) --from;
+      while (to + 1 < stamps.size() && stamps[to] < stamps[i] + time_half_width_s) ++to;
+      const double low = *std::min_element(wanted.least.begin() + from, wanted.least.begin() + to + 1);
+      const double high = *std::max_element(wanted.greatest.begin() + from, wanted.greatest.begin() + to + 1);
+      take(low - had.least[i], i, at("least", had.least_s[i]), had.least[i], low);
+      take(had.greatest[i] - high, i, at("greatest", had.greatest_s[i]), had.greatest[i], high);
+      continue;
+    }
+    take(std::abs(had.least[i] - wanted.least[i]), i, at("least", had.least_s[i]), had.least[i], wanted.least[i]);
+    take(std::abs(had.greatest[i] - wanted.greatest[i]), i, at("greatest", had.greatest_s[i]), had.greatest[i],
+         wanted.greatest[i]);
+    take(
+        std::abs(had.mean[i] - wanted.mean[i]), i, [] { return "the mean"; }, had.mean[i], wanted.mean[i]);
+  }
+  return farthest;
 }
 
 /// The deviation where it takes most of what is allowed, in the unit of the signal: half-widths tell a person nothing.
@@ -233,19 +228,24 @@ class SignalComparison {
 
   const std::string& scale_note() const { return scale_.note; }
 
-  score::Check Thinned(const score::Series& reference, const score::Series& test) const {
-    const std::vector<double> samples = SamplesAt(reference.time_s, test.time_s, test.values);
-    if (samples.empty()) return NotCompared(name_, kind_, "other time stamps: " + Described(test));
-    const double step = reference.time_s.back() - reference.time_s[reference.time_s.size() - 2];
-    if (test.time_s.back() > reference.time_s.back() + kEndSlack * step) {
+  score::Check Thinned(const score::Series& reference, const std::optional<Wanted>& wanted,
+                       const score::Series& test) const {
+    const std::optional<std::vector<double>> samples = SamplesAt(reference.time_s, test.time_s, test.values);
+    const std::optional<Stretches> had =
+        wanted ? StretchesOf(wanted->ends, test.time_s, test.values) : std::optional<Stretches>();
+    if (!samples || (wanted && !had)) {
       return NotCompared(name_, kind_,
-                         fmt::format("the run goes on to {} s, the reference ends at {} s", test.time_s.back(),
-                                     reference.time_s.back()));
+                         fmt::format("other time stamps: the reference has {}, thinned out, the run {}",
+                                     Described(reference), Described(test)));
     }
-    score::Check check = Judge(reference, {reference.time_s, samples, reference.interpolation}, options_, &test);
-    JudgeBetween(FarthestBetween(reference, test, tolerance_.relative_width * scale_.value,
-                                 tolerance_.between_width * scale_.value),
-                 signal_.unit, check);
+    if (!wanted && samples->size() < test.values.size()) {
+      return NotCompared(name_, kind_,
+                         fmt::format("the reference keeps {} of {} samples, and nothing of what lies between: an "
+                                     "earlier version blessed it; bless the scenario anew",
+                                     samples->size(), test.values.size()));
+    }
+    score::Check check = Judge(reference, {reference.time_s, *samples, reference.interpolation}, options_, &test);
+    if (had) JudgeBetween(FarthestStretch(*wanted, *had, options_.time_half_width_s, signal_.unit), check);
     return check;
   }
 
@@ -268,6 +268,20 @@ class SignalComparison {
                         fmt::format("; allowed: {:.3g}{}{}", threshold, signal_.unit.empty() ? "" : " ", signal_.unit);
     if (options.time_half_width_s > 0.0) check.explanation += fmt::format(", {:.3g} s", options.time_half_width_s);
     return check;
+  }
+
+  /// Where a run is out of the tube between the samples of a thinned reference, the check fails by that.
+  void JudgeBetween(const Farthest& between, score::Check& check) const {
+    const double allowed = options_.relative_width * options_.nominal, ratio = between.distance / allowed;
+    if (ratio <= 1.0) return;
+    check.verdict = score::Verdict::kFail;
+    check.explanation =
+        fmt::format("{}; allowed: {:.3g}{}{}{}{}", between.what, allowed, signal_.unit.empty() ? "" : " ", signal_.unit,
+                    check.explanation.empty() ? "" : "; ", check.explanation);
+    if (ratio < check.value) return;
+    check.value = ratio;
+    check.shown = fmt::format("{:.3g}{}{} off between two kept samples ({:.3g} allowed)", between.distance,
+                              signal_.unit.empty() ? "" : " ", signal_.unit, allowed);
   }
 
   const trace::Signal& signal_;
@@ -311,6 +325,7 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
   static const SignalTolerance kDefault;
   std::vector<score::Check> checks;
   for (const trace::Signal& want : reference.signals) {
+    if (reference_is == ReferenceIs::kThinned && IsOfStretches(reference, want)) continue;
     const std::string name = kind + " " + want.name;
     const trace::Signal* have = test.Find(want.name);
     if (have == nullptr) {
@@ -332,8 +347,9 @@ std::vector<score::Check> CompareTraces(const trace::Trace& reference, const tra
     }
     const auto found = tolerances.find(want.name);
     const SignalComparison comparison(want, name, kind, found == tolerances.end() ? kDefault : found->second);
-    checks.push_back(reference_is == ReferenceIs::kThinned ? comparison.Thinned(golden, run)
-                                                           : comparison.Whole(golden, run, notes));
+    checks.push_back(reference_is == ReferenceIs::kThinned
+                         ? comparison.Thinned(golden, StretchesIn(reference, want), run)
+                         : comparison.Whole(golden, run, notes));
     if (const std::string& note = comparison.scale_note(); !note.empty()) {
       Note(note, notes);
       std::string& explanation = checks.back().explanation;
@@ -363,13 +379,6 @@ void CheckTolerances(const SignalTolerances& tolerances, const trace::Trace& ref
         tolerance.where, fmt::format("there is a tolerance for \"{}\", and neither trace has such a signal", name),
         near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("the traces have {}", fmt::join(names, ", ")));
   }
-}
-
-double BeyondNeighbours(const trace::Trace& thin, const trace::Signal& signal, const trace::Trace& run) {
-  const trace::Signal* of_run = run.Find(signal.name);
-  const score::Series grid{thin.TimeOf(signal), signal.values}, all{run.TimeOf(*of_run), of_run->values};
-  if (!score::FaultOf(grid, "thin").empty() || !score::FaultOf(all, "run").empty()) return 0.0;
-  return FarthestBetween(grid, all, 0.0, 0.0).beyond / signal.nominal;
 }
 
 }  // namespace dynoproof

@@ -21,16 +21,13 @@ struct SignalTolerance {
       "1.3 % of this (ci/spread.py)";
   double other_solver_width = 0.0;  // for a run of the other solver; 0: how far that may be is not known
   std::string other_solver_origin;
-  double between_width = 0.0;  // what a thinned reference hides, over the nominal; see ReferenceIs::kThinned
-  SourceSpan where = {};       // of the table, where a file has it
+  SourceSpan where = {};  // of the table, where a file has it
   void Visit(auto& v) {
     v.Required("relative_width", relative_width, Positive("1"), "half-width over the nominal");
     v.Optional("time_half_width_s", time_half_width_s, NonNegative(), "how much earlier or later");
     v.Required("origin", origin, Any(), "why");
     v.Optional("other_solver_width", other_solver_width, NonNegative("1"), "half-width for the other solver");
     v.Optional("other_solver_origin", other_solver_origin, Any(), "why");
-    v.Optional("between_width", between_width, NonNegative("1"),
-               "how far the blessed run went beyond its neighbours between two samples of the thinned trace");
   }
 };
 using SignalTolerances = std::map<std::string, SignalTolerance>;
@@ -38,9 +35,8 @@ using SignalTolerances = std::map<std::string, SignalTolerance>;
 enum class ReferenceIs {
   /// The tube holds at every sample of either trace, over the span that both have.
   kWhole,
-  /// Every k-th sample of a run with the test's time stamps. The tube holds at these. What lies between two of them may
-  /// leave the range of the 64 samples on either side by as much again, or by `between_width`: a line drawn through
-  /// thinned samples says nothing at the tube's width, and where they alias, nothing at all.
+  /// Thin() of a run with the test's time stamps. The tube holds at the samples that it keeps, and for the least, the
+  /// greatest and the mean value of each stretch between two of them.
   kThinned
 };
 
@@ -57,9 +53,5 @@ score::Check NotCompared(const std::string& name, const std::string& kind, std::
 /// A tolerance for a signal that neither trace has protects nothing: one fault each, with the name that was meant.
 void CheckTolerances(const SignalTolerances& tolerances, const trace::Trace& reference, const trace::Trace& test,
                      Diagnostics& diagnostics);
-
-/// How far the samples of `run` between those of `thin` leave what kThinned allows without a `between_width`, over the
-/// nominal; 0: nowhere.
-double BeyondNeighbours(const trace::Trace& thin, const trace::Signal& signal, const trace::Trace& run);
 
 }  // namespace dynoproof

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "base/within.h"
 #include "experiment/measured_record.h"
+#include "experiment/thin.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "trace/trace_io.h"
@@ -19,20 +20,6 @@ namespace dynoproof {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::size_t NextPrime(std::size_t n) {
-  for (;; ++n) {
-    bool prime = n > 1;
-    for (std::size_t d = 2; d * d <= n && prime; ++d) prime = n % d != 0;
-    if (prime) return n;
-  }
-}
-
-std::vector<double> EveryNth(const std::vector<double>& values, std::size_t n) {
-  std::vector<double> thin;
-  for (std::size_t i = 0; i < values.size(); i += n) thin.push_back(values[i]);
-  return thin;
-}
 
 /// The run's length and its solver's counters, which the thinned golden trace does not show.
 std::vector<score::Check> CompareLengthAndCost(const GoldenTolerances::OfRun& golden, const trace::Trace& run) {
@@ -202,23 +189,6 @@ bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_f
   return !tolerances.trace_sha256.empty() && tolerances.trace_sha256 == HashOf(trace_file);
 }
 
-trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes) {
-  std::size_t numbers = trace.time.size();
-  for (const std::vector<double>& time : trace.other_times) numbers += time.size();
-  for (const trace::Signal& signal : trace.signals) numbers += signal.values.size();
-  const std::size_t least = (8 * numbers + most_bytes - 1) / most_bytes;
-  // A prime step never falls into step with a period of the signal or of a controller.
-  const std::size_t step = least <= 1 ? 1 : NextPrime(least);
-  trace::Trace thin = trace;
-  const auto thin_out = [step](std::vector<double>& values) {
-    values = EveryNth(values, values.size() < 4000 ? 1 : step);
-  };
-  thin_out(thin.time);
-  for (std::vector<double>& time : thin.other_times) thin_out(time);
-  for (trace::Signal& signal : thin.signals) thin_out(signal.values);
-  return thin;
-}
-
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run) {
   const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
   if (!golden.ok()) {
@@ -277,8 +247,7 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
   const Result<GoldenTolerances> old = ReadTolerances(place.tolerances);
   // Somebody's tolerances and reasons stand in a faulty file: they are not to be replaced by defaults.
   if (std::error_code error; !old.ok() && fs::exists(place.tolerances, error)) return old.failure();
-  trace::Trace thin = Thin(run);
-  if (Status failed = trace::WriteTrace(place.trace, thin, {.deflate_level = 9})) return failed;
+  if (Status failed = trace::WriteTrace(place.trace, Thin(run), {.deflate_level = 9})) return failed;
   Value root;
   root["reason"] = Value(golden.reason);
   root["trace_sha256"] = Value(HashOf(place.trace));
@@ -294,22 +263,17 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
   for (const auto& [name, count] : run.provenance.counters) {
     if (name.starts_with("solver_")) root["run"]["counters"][name.substr(7)] = Value(count);
   }
-  for (const trace::Signal& signal : thin.signals) {
+  for (const trace::Signal& signal : run.signals) {
     const bool kept = old.ok() && old->signals.contains(signal.name);
     GoldenTolerances::OfSignal of = kept ? old->signals.at(signal.name) : GoldenTolerances::OfSignal{};
-    AllowOtherSolver(LargestDistance(run, *run.Find(signal.name), golden.other),
-                     run.provenance.Text("solver").value_or(""), golden.other.provenance.Text("solver").value_or(""),
-                     of);
-    constexpr double kRoom = 1.5;  // the run itself is to pass, on another machine too
-    const double beyond = BeyondNeighbours(thin, signal, run);
-    of.between_width = beyond > of.relative_width ? RoundedUp(kRoom * beyond) : 0.0;
+    AllowOtherSolver(LargestDistance(run, signal, golden.other), run.provenance.Text("solver").value_or(""),
+                     golden.other.provenance.Text("solver").value_or(""), of);
     Value& table = root["signal"][signal.name];
     table["relative_width"] = Value(of.relative_width);
     if (of.time_half_width_s > 0.0) table["time_half_width_s"] = Value(of.time_half_width_s);
     table["origin"] = Value(of.origin);
     table["other_solver_width"] = Value(of.other_solver_width);
     table["other_solver_origin"] = Value(of.other_solver_origin);
-    if (of.between_width > 0.0) table["between_width"] = Value(of.between_width);
   }
   return WriteFileAtomically(place.tolerances, ToToml(root));
 }

@@ -54,11 +54,6 @@ Result<GoldenTolerances> ReadTolerances(const std::string& file);
 /// Whether the tolerances were written for this trace file.
 bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_file);
 
-/// The trace with every k-th sample of each signal (k the same prime for all), small enough to be kept. Pointwise
-/// comparison at those samples is exact: thinning adds no error. What lies between is held to their range
-/// (ReferenceIs::kThinned), and the analysed output to its hull signals.
-trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
-
 /// Compares a run of `plan` with its golden files; one check per golden signal, one for signals that are new or gone,
 /// one for checks that the scenario no longer states. A missing or unreadable golden file, or a trace that is not the
 /// one of the tolerance file, is a failed check.

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "experiment/thin.h"
 #include "tests/support/temp_dir.h"
 #include "trace/trace_io.h"
 
