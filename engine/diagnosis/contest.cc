@@ -47,6 +47,7 @@ std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const 
   for (const Effect* effect : registry.Effects()) {
     for (const Place& place : effect->Places(base.nominal())) {
       if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
+      if (std::ranges::find(base.effects(), Hypothesis::Applied{effect, place}) != base.effects().end()) continue;
       Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, StrengthsOf(*effect)};
       const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
       const auto& parameters = candidate.hypothesis.parameters();
@@ -129,8 +130,6 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
 Contestant FirstLook(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
   constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
   Contestant contestant(candidate.hypothesis);
-  contestant.effect = candidate.effect;
-  contestant.place = candidate.place;
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
   const Screen screen(null, levels[level], level);
@@ -175,14 +174,45 @@ Contestant FirstLook(const Trial& candidate, const Contestant& null, const Level
   return contestant;
 }
 
+/// Where a fit begins at a level: where the level before has come to, or at the null's values of this level, whichever leaves
+/// less. Where both are worse than the null itself, it begins there, with an effect that does next to nothing.
+VectorXd BestStart(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                   const VectorXd& from) {
+  if (!null.Holds(level)) return from;
+  const Hypothesis& hypothesis = contestant.hypothesis;
+  const auto own = static_cast<Index>(hypothesis.of_effects());
+  const auto excess = [&](const VectorXd& q) {
+    const Result<VectorXd> rows = levels[level].Innovations(hypothesis.At(q));
+    if (!rows.ok()) return std::numeric_limits<double>::infinity();
+    VectorXd noise(std::ssize(levels.data().channels()));
+    for (Index c = 0; c < noise.size(); ++c)
+      noise[c] = null.levels[level].scales[static_cast<std::size_t>(c)].noise_alone;
+    return LogExcess(estimation::ScalesOf(levels.data(), *rows, noise), levels.data());
+  };
+  VectorXd here = StartFrom(hypothesis, null.hypothesis, null.levels[level].q);
+  const auto count = static_cast<Index>(contestant.effect().info().parameters.size());
+  here.segment(own - count, count) = from.segment(own - count, count);
+  const double of_from = excess(from), of_here = excess(here);
+  if (std::min(of_from, of_here) <= LogExcess(null.levels[level].scales, levels.data()))
+    return of_from <= of_here ? from : here;
+  constexpr double kNextToNothing = 0.01;  // of where it was
+  for (Index i = own - count; i < own; ++i) {
+    const estimation::Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
+    if (!parameter.neutral) continue;
+    const double neutral = parameter.CoordinateOf(*parameter.neutral);
+    here[i] = neutral + kNextToNothing * (from[i] - neutral);
+  }
+  return here;
+}
+
 /// At one level: with the null's columns as far as they lead, then with its own.
 Estimate FitWith(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
                  const VectorXd& from) {
-  VectorXd near = from;
+  VectorXd near = BestStart(contestant, null, levels, level, from);
   if (null.Holds(level)) {
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
     const Estimate rough =
-        Fit(contestant.hypothesis, levels[level], from, {.iterations = 10, .renewals = 2, .known = known});
+        Fit(contestant.hypothesis, levels[level], near, {.iterations = 10, .renewals = 2, .known = known});
     if (rough.ok()) near = rough.q;
   }
   return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near));
@@ -222,7 +252,8 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
 }  // namespace
 
 Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
-                                           const Registry& registry, double compared_from_s, Index most_rows) {
+                                           const Registry& registry, double compared_from_s, Index most_rows,
+                                           const Levels* like) {
   std::unique_ptr<Levels> levels(new Levels());
   const DataSet whole(records, plan);
   const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
@@ -235,12 +266,22 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     from_s = estimation::LeadInOf(memory_s, duration_s);
   levels->data_ = std::make_unique<DataSet>(records, plan, DataSet::Options{.from_s = from_s, .most_rows = most_rows});
   const auto known = std::make_shared<mechanics::Decompositions>();
-  // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
-  for (double memory = memory_s; levels->predictors_.empty() || memory < policy::kLongest * duration_s;
-       memory *= policy::kLonger) {
-    if (memory < policy::kMostOfRecord * duration_s) levels->corrected_ = levels->predictors_.size();
-    levels->predictors_.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
+  if (like != nullptr) {
+    levels->memories_s_ = like->memories_s_;
+    levels->corrected_ = like->corrected_;
+    levels->longest_ = like->longest_;
+  } else {
+    // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
+    for (double memory = memory_s; levels->memories_s_.empty() || memory < policy::kLongest * duration_s;
+         memory *= policy::kLonger) {
+      const std::size_t level = levels->memories_s_.size();
+      if (memory < policy::kMostOfRecord * duration_s) levels->longest_ = level;
+      levels->corrected_ = std::min<std::size_t>(levels->longest_, 1);
+      levels->memories_s_.push_back(memory);
+    }
   }
+  for (const double memory : levels->memories_s_)
+    levels->predictors_.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
   levels->predictors_.push_back(
       from_s > 0.0 ? std::make_unique<Predictor>(*levels->predictors_.front(), from_s)
                    : std::make_unique<Predictor>(*levels->data_, levels->model_, registry, std::nullopt, known));
@@ -281,15 +322,24 @@ double LogExcess(const std::vector<ChannelScale>& scales, const DataSet& data) {
   return sum / static_cast<double>(std::max<std::size_t>(1, scales.size()));
 }
 
-Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& levels, const Magnitudes& magnitudes,
+Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
+  const Hypothesis base(plan);
+  Contestant null(released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry));
+  std::vector<const Predictor*> order;
+  for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
+  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start());
+  return null;
+}
+
+Result<Contest> Compete(Contestant null, bool released, const Levels& levels, const Magnitudes& magnitudes,
                         const Registry& registry, const std::function<void(double)>& progress) {
   Contest contest;
   contest.released = released;
-  const Hypothesis free = released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry);
-  Contestant null(free);
-  std::vector<const Predictor*> order;
-  for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
-  null.levels = estimation::FitThrough(free, order, free.start());
+  std::int64_t counted = levels.simulations();
+  const auto count = [&](const char* stage) {
+    contest.cost.push_back({stage, levels.simulations() - counted});
+    counted = levels.simulations();
+  };
   // The most corrected level at which anything is left to explain; the free run where nowhere is.
   contest.first = levels.size();
   for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -298,15 +348,17 @@ Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& lev
     if (HasExcess(null.levels[level], levels.data())) break;
   }
   if (contest.first == levels.size())
-    return Failure{"the nominal model breaks beside the record: " + null.levels.front().broken, base.nominal().id};
+    return Failure{"the nominal model breaks beside the record: " + null.levels.front().broken,
+                   null.hypothesis.nominal().id};
   progress(0.1);
-  const std::vector<Trial> candidates = TrialsOf(free, levels, magnitudes, registry);
+  const std::vector<Trial> candidates = TrialsOf(null.hypothesis, levels, magnitudes, registry);
   std::vector<std::optional<Contestant>> seen(candidates.size());
   std::atomic<std::size_t> done = 0;
   ParallelFor(candidates.size(), 0, [&](std::size_t i) {
     seen[i] = FirstLook(candidates[i], null, levels, contest.first);
     progress(0.1 + 0.4 * static_cast<double>(++done) / static_cast<double>(candidates.size()));
   });
+  count("first look");
   std::vector<Contestant> ranked;
   for (std::optional<Contestant>& one : seen) {
     if (one->Holds(contest.first) || one->Holds(contest.first + 1)) ranked.push_back(*std::move(one));
@@ -318,6 +370,7 @@ Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& lev
     Carry(ranked[i], null, levels, contest.first);
     progress(0.5 + 0.4 * static_cast<double>(++done) / static_cast<double>(kept));
   });
+  count("through the levels");
   contest.contestants.push_back(std::move(null));
   for (std::size_t i = 0; i < ranked.size(); ++i)
     (i < kept ? contest.contestants : contest.left_behind).push_back(std::move(ranked[i]));
@@ -335,6 +388,7 @@ Result<Contest> Compete(const Hypothesis& base, bool released, const Levels& lev
       if (&contest.contestants[i] != leader) FitFrom(contest.contestants[i], *leader, before, levels, level);
     });
   }
+  count("from the leader's values");
   progress(1.0);
   return contest;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/contest.h"
 #include "diagnosis/extend.h"
@@ -20,6 +21,26 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr Eigen::Index kRows = 4000;  // of a channel, that are compared
+constexpr int kMostCauses = 3;        // that are looked for one after the other
+
+/// Which effect on top of a null explains what that leaves.
+struct Answer {
+  Contest contest;
+  Settled settled;
+};
+
+/// Whether an answer with a cause in the model says more than the one before. Where several causes stood side by side, only
+/// one of these, or a model that leaves nothing, tells that two of them are needed.
+bool Adds(const Answer& before, const Answer& next) {
+  if (next.settled.causes.empty()) return false;
+  if (next.settled.exact) return true;
+  if (next.settled.verdict != Verdict::kMainCause) return false;
+  const Contestant& second = next.contest.contestants[next.settled.causes.front()];
+  const auto stood = [&](std::size_t i) {
+    return before.contest.contestants[i].hypothesis.effects().back() == second.hypothesis.effects().back();
+  };
+  return before.settled.causes.size() == 1 || std::ranges::any_of(before.settled.causes, stood);
+}
 
 /// The records that models are fitted to, and those that judge them afterwards.
 struct Parts {
@@ -38,42 +59,40 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows);
   if (!training.ok()) return training.failure();
   const double from_s = holdout.empty() ? kTrainingShare * data.front().end_s : 0.0;
-  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, holdout.empty() ? data : holdout, registry, from_s, kRows);
+  Result<std::unique_ptr<Levels>> held =
+      Levels::Of(plan, holdout.empty() ? data : holdout, registry, from_s, kRows, training->get());
   if (!held.ok()) return held.failure();
   return Parts{*std::move(training), *std::move(held)};
 }
 
-/// The log excess of a plan's innovations at the longest corrected level and in the free run.
-HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {
-  const auto at = [&](std::size_t level) -> std::optional<double> {
-    const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
-    if (!rows.ok()) return std::nullopt;
-    return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
-  };
-  return {at(levels.corrected()), at(levels.free_run())};
+/// The log excess of a plan's innovations.
+std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::size_t level) {
+  const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
+  if (!rows.ok()) return std::nullopt;
+  return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
 }
 
-/// Of each contestant, over what the plan as given leaves.
+/// Of each contestant, as it is fitted at each level, over what the plan as given leaves.
 std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, const HeldOut& given) {
-  std::vector<HeldOut> all;
-  for (const Contestant& one : contest.contestants) {
-    const std::size_t level = one.levels.size() - 1;
-    HeldOut own;
-    if (one.Holds(level)) own = LogExcessOf(one.hypothesis.At(one.levels[level].q), held_out);
-    if (own.corrected) *own.corrected -= given.corrected.value_or(0.0);
-    if (own.free_run) *own.free_run -= given.free_run.value_or(0.0);
-    all.push_back(own);
-  }
+  std::vector<HeldOut> all(contest.contestants.size(), HeldOut(held_out.size()));
+  ParallelFor(all.size(), 0, [&](std::size_t i) {
+    const Contestant& one = contest.contestants[i];
+    for (std::size_t level = contest.first; level < held_out.size(); ++level) {
+      if (!one.Holds(level)) continue;
+      all[i][level] = LogExcessAt(one.hypothesis.At(one.levels[level].q), held_out, level);
+      if (all[i][level]) *all[i][level] -= given[level].value_or(0.0);
+    }
+  });
   return all;
 }
 
-/// The least of all, the plan as given (0) among them.
-HeldOut LeastOf(const std::vector<std::vector<HeldOut>>& passes) {
-  HeldOut least{0.0, 0.0};
+/// By level, the least of all, the plan as given (0) among them.
+std::vector<double> LeastOf(const std::vector<std::vector<HeldOut>>& passes, std::size_t levels) {
+  std::vector<double> least(levels, 0.0);
   for (const auto& pass : passes) {
     for (const HeldOut& one : pass) {
-      least.corrected = std::min(*least.corrected, one.corrected.value_or(0.0));
-      least.free_run = std::min(*least.free_run, one.free_run.value_or(0.0));
+      for (std::size_t level = 0; level < levels; ++level)
+        least[level] = std::min(least[level], one[level].value_or(0.0));
     }
   }
   return least;
@@ -94,23 +113,23 @@ identification::Hypothesis AsReported(const EstimationProblem& problem, const Co
       hypothesis.z[k] = (nuisance.relative ? std::log(value / nominal) : value - nominal) / nuisance.spread;
     }
   }
-  if (one.effect != nullptr) {
-    std::vector<double> values;
-    for (std::size_t i = 0; i < own; ++i) values.push_back(parameters[i].ValueAt(q[static_cast<Eigen::Index>(i)]));
-    hypothesis.effects.push_back({one.effect, one.place, std::move(values)});
+  std::size_t next = 0;
+  for (const auto& [effect, place] : one.hypothesis.effects()) {
+    std::vector<double> values(effect->info().parameters.size());
+    for (double& value : values) {
+      value = parameters[next].ValueAt(q[static_cast<Eigen::Index>(next)]);
+      ++next;
+    }
+    hypothesis.effects.push_back({effect, place, std::move(values)});
   }
   return hypothesis;
 }
 
-/// The numbers of an effect with intervals: at the deciding level of an exact model, else the hull over all levels, for how
-/// much a number depends on what is taken for unknown is what the model's error makes of it.
-FoundEffect FoundOf(const Contestant& one, const Levels& levels, const Settled& settled) {
+/// The numbers of all effects of a model with intervals: at the deciding level of an exact one, else the hull over all levels,
+/// for how much a number depends on what is taken for unknown is what the model's error makes of it.
+std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, const Settled& settled) {
   constexpr double kTwoSided = 1.959964;
-  FoundEffect found;
-  found.name = one.effect->info().name;
-  found.at = one.place.ToString();
   const estimation::Estimate& fit = one.levels[settled.level];
-  const auto own = static_cast<Eigen::Index>(one.hypothesis.of_effects());
   Eigen::VectorXd low = fit.q, high = fit.q;
   for (std::size_t level = 0; level < levels.size(); ++level) {
     if (!one.Holds(level) || (settled.exact && level != settled.level)) continue;
@@ -120,14 +139,21 @@ FoundEffect FoundOf(const Contestant& one, const Levels& levels, const Settled& 
     low = low.cwiseMin(one.levels[level].q - half);
     high = high.cwiseMax(one.levels[level].q + half);
   }
-  const auto count = static_cast<Eigen::Index>(one.effect->info().parameters.size());
-  for (Eigen::Index i = own - count; i < own; ++i) {
-    const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
-    const EffectParameter& known = one.effect->info().parameters[static_cast<std::size_t>(i - own + count)];
-    const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
-    found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+  std::vector<FoundEffect> all;
+  Eigen::Index i = 0;
+  for (const auto& [effect, place] : one.hypothesis.effects()) {
+    FoundEffect found;
+    found.name = effect->info().name;
+    found.at = place.ToString();
+    for (const EffectParameter& known : effect->info().parameters) {
+      const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
+      const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
+      found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+      ++i;
+    }
+    all.push_back(std::move(found));
   }
-  return found;
+  return all;
 }
 
 /// What the comparison said of a candidate, by its name.
@@ -159,22 +185,19 @@ Status Describe(const Parts& parts, const Contest& contest, const Settled& settl
   if (!model.Holds(level)) return {};
   const estimation::Estimate& fit = model.levels[level];
   const identification::Hypothesis hypothesis = AsReported(problem, model, fit.q);
-  for (const std::size_t i : settled.causes) result.effects.push_back(FoundOf(contest.contestants[i], levels, settled));
-  if (settled.causes.empty() && model.effect != nullptr && result.verdict == Verdict::kUnexplained)
-    result.effects.push_back(FoundOf(model, levels, settled));
+  result.effects = FoundOf(model, levels, settled);
   if (result.verdict == Verdict::kAmbiguous) {
     std::vector<std::string> names;
     std::vector<identification::EffectInstance> alike;
     for (const std::size_t i : settled.causes) {
       const Contestant& one = contest.contestants[i];
-      names.push_back(one.Name());
-      alike.push_back(AsReported(problem, one, one.levels[level].q).effects.front());
+      names.push_back(one.effect().info().name + "@" + one.place().ToString());
+      alike.push_back(AsReported(problem, one, one.levels[level].q).effects.back());
     }
     result.ambiguous_with.push_back(names);
     result.experiment_text = SeparatingText(problem, alike);
     if (const Result<std::string> file = WriteSeparating(problem, alike, options); file.ok())
       result.experiment_scenario = *file;
-    result.effects.resize(1);
   }
   // Gains in the free run, each model from the start that suits it.
   const auto gains = [&](const std::vector<MappedRecord>& records, double until, double from) {
@@ -211,7 +234,7 @@ Status Describe(const Parts& parts, const Contest& contest, const Settled& settl
   for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
     const Contestant& one = contest.contestants[i];
     const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
-    result.considered.push_back({one.effect->info().name, one.place.ToString(),
+    result.considered.push_back({one.effect().info().name, one.place().ToString(),
                                  named ? "" : OutcomeOf(settled, one.Name()), NrmseOf(one, levels, level)});
   }
   identification::Estimate reported;
@@ -235,36 +258,67 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
   const Result<Parts> parts = Split(plan, data, holdout, registry);
   if (!parts.ok()) return parts.failure();
   const Levels& levels = *parts->training;
-  const EstimationProblem problem(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0);
+  identification::SearchContext context;
+  context.released = true;  // what was let go is told
+  const EstimationProblem problem(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0, std::move(context));
   const Magnitudes magnitudes = MagnitudesOf(problem);
-  const estimation::Hypothesis base(plan);
-  const HeldOut given = LogExcessOf(plan, *parts->held_out);
-  Result<Contest> contest = Compete(base, false, levels, magnitudes, registry, [&](double share) {
-    options.progress("candidates, nominal values on their priors", 0.5 * share);
-  });
-  if (!contest.ok()) return contest.failure();
-  std::vector<std::vector<HeldOut>> passes = {HeldOutOf(*contest, *parts->held_out, given)};
-  Settled settled = Settle(*contest, levels, passes[0], LeastOf(passes));
-  result.journal = settled.journal;
-  // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
-  if (!settled.exact) {
-    Result<Contest> released = Compete(base, true, levels, magnitudes, registry, [&](double share) {
-      options.progress("candidates, nominal values released", 0.5 + 0.45 * share);
+  HeldOut given;
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    given.push_back(LogExcessAt(plan, *parts->held_out, level));
+  std::vector<std::vector<HeldOut>> passes;
+  int asked = 0;
+  const auto ask = [&](Contestant null, bool released, const std::string& stage) -> Result<Answer> {
+    const double from = 1.0 - std::pow(0.5, asked++);
+    Result<Contest> contest = Compete(std::move(null), released, levels, magnitudes, registry, [&](double share) {
+      options.progress(stage, from + 0.5 * (1.0 - from) * share);
     });
+    if (!contest.ok()) return contest.failure();
+    passes.push_back(HeldOutOf(*contest, *parts->held_out, given));
+    Settled settled = Settle(*contest, levels, passes.back(), LeastOf(passes, levels.size()));
+    result.journal.insert(result.journal.end(), settled.journal.begin(), settled.journal.end());
+    JournalEntry cost{"simulations", {}, stage, {}, ""};
+    for (const Contest::Cost& one : contest->cost)
+      cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));
+    result.journal.push_back(std::move(cost));
+    return Answer{*std::move(contest), std::move(settled)};
+  };
+  // Once more with the cause in the model, for there may be several.
+  const auto extend = [&](Result<Answer>& answer) {
+    for (int causes = 1; causes < kMostCauses && !answer->settled.exact; ++causes) {
+      const std::optional<std::size_t> leader =
+          !answer->settled.causes.empty() ? answer->settled.causes.front() : answer->settled.best;
+      if (!leader) return;
+      const Contestant& null = answer->contest.contestants[*leader];
+      Result<Answer> next = ask(null, answer->contest.released, "with " + null.Name());
+      if (!next.ok() || !Adds(*answer, *next)) return;
+      answer = std::move(next);
+    }
+  };
+  Result<Answer> answer =
+      ask(NullOf(plan, false, levels, registry), false, "candidates, nominal values on their priors");
+  if (!answer.ok()) return answer.failure();
+  Result<Answer> first = answer;
+  extend(first);
+  if (first->settled.exact) answer = first;
+  // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
+  if (!answer->settled.exact) {
+    Result<Answer> released = ask(NullOf(plan, true, levels, registry), true, "candidates, nominal values released");
     if (released.ok()) {
-      passes.push_back(HeldOutOf(*released, *parts->held_out, given));
-      Settled second = Settle(*released, levels, passes[1], LeastOf(passes));
-      if (!second.exact) settled = Settle(*contest, levels, passes[0], LeastOf(passes));
-      result.journal.insert(result.journal.end(), second.journal.begin(), second.journal.end());
-      if (second.exact || settled.causes.empty()) {
-        settled = std::move(second);
-        contest = std::move(released);
+      if (!released->settled.exact)
+        answer->settled = Settle(answer->contest, levels, passes[0], LeastOf(passes, levels.size()));
+      if (released->settled.exact || answer->settled.causes.empty()) {
+        answer = std::move(released);
+        extend(answer);
+      } else {
+        answer = std::move(first);
       }
     }
   }
+  const Settled& settled = answer->settled;
   result.verdict = settled.verdict;
   result.reason = settled.reason;
-  if (Status failed = Describe(*parts, *contest, settled, problem, data, holdout, options, result)) return *failed;
+  if (Status failed = Describe(*parts, answer->contest, settled, problem, data, holdout, options, result))
+    return *failed;
   result.simulations = static_cast<double>(levels.simulations() + parts->held_out->simulations());
   result.journal.push_back({"verdict", {}, settled.rule, {}, ToString(result.verdict) + ": " + result.reason});
   return result;

@@ -23,22 +23,25 @@ double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std:
   return 1.0 - std::exp(log_excess(i) - log_excess(0));
 }
 
-/// A number on its bound, or where its effect vanishes, names nothing.
+/// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers
+/// may do nothing: friction that differs with direction may have no viscous part.
 bool NamesSomething(const Contestant& one, std::size_t level) {
   constexpr double kOnBound = 1e-3;  // of the width
-  if (one.effect == nullptr || !one.Holds(level)) return false;
+  if (!one.Holds(level)) return false;
   const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
   const auto end = static_cast<Eigen::Index>(one.hypothesis.of_effects());
-  for (Eigen::Index i = end - static_cast<Eigen::Index>(one.effect->info().parameters.size()); i < end; ++i) {
+  const auto count = static_cast<Eigen::Index>(one.effect().info().parameters.size());
+  bool acts = count == 0;
+  for (Eigen::Index i = end - count; i < end; ++i) {
     const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
     const double q = one.levels[level].q[i], width = upper[i] - lower[i];
-    const bool neutral = parameter.neutral && std::abs(q - parameter.CoordinateOf(*parameter.neutral)) < 1e-9 * width;
-    const bool bound = q > upper[i] - kOnBound * std::min(width, 1.0) || q < lower[i] + 1e-9 * width;
-    if (neutral ||
-        (bound && !(parameter.neutral && *parameter.neutral == parameter.lower && q > lower[i] + 1e-9 * width)))
-      return false;
+    const bool low = q<lower[i] + 1e-9 * width, high = q> upper[i] - kOnBound * std::min(width, 1.0);
+    const auto at = [&](double value) { return std::abs(q - parameter.CoordinateOf(value)) < 1e-9 * width; };
+    const bool neutral = parameter.neutral && at(*parameter.neutral);
+    if ((low || high) && !neutral) return false;
+    acts = acts || !neutral;
   }
-  return true;
+  return acts;
 }
 
 /// All models against each other at one level.
@@ -81,9 +84,9 @@ void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, con
   const auto& all = contest.contestants;
   std::erase_if(standing, [&](std::size_t refined) {
     return std::ranges::any_of(standing, [&](std::size_t plain) {
-      const EffectTraits& traits = all[refined].effect->info().traits;
-      const bool same = plain != refined && all[plain].place == all[refined].place;
-      return same && traits.refines == all[plain].effect->info().name && !beats(refined, plain);
+      const EffectTraits& traits = all[refined].effect().info().traits;
+      const bool same = plain != refined && all[plain].place() == all[refined].place();
+      return same && traits.refines == all[plain].effect().info().name && !beats(refined, plain);
     });
   });
 }
@@ -133,7 +136,7 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
 }
 
 Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
-               const HeldOut& least) {
+               const std::vector<double>& least) {
   Settled settled;
   const auto& all = contest.contestants;
   const std::string pass = contest.released ? "nominal values released" : "nominal values on their priors";
@@ -175,7 +178,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     return settled;
   }
   // Three error models: one beats another where it does so at one level at least and is beaten at none.
-  settled.level = levels.free_run();
+  settled.level = levels.corrected();
   std::vector<std::optional<Weights>> weights(levels.size());
   for (std::size_t level = contest.first; level < levels.size(); ++level)
     weights[level].emplace(contest, levels, level);
@@ -188,13 +191,23 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     return wins;
   };
   const double wanted = contest.released ? policy::kHeldOutReleased : policy::kHeldOutPrior;
-  const auto held = [&](std::size_t i, bool corrected) {
-    const std::optional<double>& value = corrected ? held_out[i].corrected : held_out[i].free_run;
-    return value.value_or(std::numeric_limits<double>::infinity());
+  const auto held = [&](std::size_t i, std::size_t level) {
+    return held_out[i][level].value_or(std::numeric_limits<double>::infinity());
   };
   // E of a candidate beside the better of the plan as given (0) and the null.
-  const auto explained = [&](std::size_t i, bool corrected) {
-    return 1.0 - std::exp(held(i, corrected) - std::min(0.0, held(0, corrected)));
+  const auto explained = [&](std::size_t i, std::size_t level) {
+    return 1.0 - std::exp(held(i, level) - std::min(0.0, held(0, level)));
+  };
+  const auto near = [&](std::size_t i, std::size_t level) {
+    return held(i, level) <= least[level] + std::log(policy::kMarginBest);
+  };
+  // Two error models are asked: a short memory, and as long a one as there is. The free run is that, but where an output
+  // accumulates whatever no model knows, as the position of an axis does: there the longest memory within the record.
+  const std::size_t shorter = levels.corrected();
+  const auto longer = [&](std::size_t i) {
+    return near(i, levels.free_run()) && explained(i, levels.free_run()) >= explained(i, levels.longest())
+               ? levels.free_run()
+               : levels.longest();
   };
   std::vector<std::size_t> admitted;
   for (std::size_t i = 1; i < all.size(); ++i) {
@@ -204,23 +217,24 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
       most = std::max(most, ShareAt(contest, levels, i, level));
       worst = std::min(worst, ShareAt(contest, levels, i, level));
     }
-    const bool near = held(i, true) <= *least.corrected + std::log(policy::kMarginBest) &&
-                      held(i, false) <= *least.free_run + std::log(policy::kMarginBest);
-    const double least_explained = std::min(explained(i, true), explained(i, false));
-    const bool in = beats(i, 0) && most > policy::kShare && worst > policy::kHarm && near &&
-                    least_explained >= wanted && NamesSomething(all[i], levels.free_run());
+    const bool close = near(i, shorter) && near(i, longer(i));
+    const double least_explained = std::min(explained(i, shorter), explained(i, longer(i)));
+    const bool names = NamesSomething(all[i], shorter);
+    const bool in =
+        beats(i, 0) && most > policy::kShare && worst > policy::kHarm && close && least_explained >= wanted && names;
     if (in) admitted.push_back(i);
+    std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
+    for (std::size_t level = contest.first; level < levels.size(); ++level)
+      numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
     settled.journal.push_back({"comparison",
                                {all[i].Name(), "nominal model"},
                                "no model is exact, " + pass,
-                               {{"most_share", most},
-                                {"least_share", worst},
-                                {"held_out_corrected", explained(i, true)},
-                                {"held_out_free_run", explained(i, false)}},
+                               std::move(numbers),
                                in             ? "admitted"
                                : !beats(i, 0) ? "does not beat the nominal model"
-                               : near         ? "too small a share"
-                                              : "far from the best"});
+                               : !close       ? "far from the best"
+                               : !names       ? "a number is on its bound"
+                                              : "too small a share"});
   }
   std::vector<std::size_t> standing;
   for (const std::size_t i : admitted) {
@@ -229,24 +243,24 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return beats(a, b); });
   // Within a family the law with the fewest numbers that is not far from the family's best.
   const auto family = [&](std::size_t i) {
-    const std::string& own = all[i].effect->info().traits.family;
-    return (own.empty() ? all[i].effect->info().name : own) + "@" + all[i].place.ToString();
+    const std::string& own = all[i].effect().info().traits.family;
+    return (own.empty() ? all[i].effect().info().name : own) + "@" + all[i].place().ToString();
   };
   std::vector<std::size_t> plain;
   for (const std::size_t i : standing) {
     const bool other = std::ranges::any_of(standing, [&](std::size_t k) {
-      const auto numbers = [&](std::size_t n) { return all[n].effect->info().parameters.size(); };
+      const auto numbers = [&](std::size_t n) { return all[n].effect().info().parameters.size(); };
       return k != i && family(k) == family(i) && numbers(k) < numbers(i) &&
-             held(k, false) <= held(i, false) + std::log(policy::kMarginFamily);
+             held(k, shorter) <= held(i, shorter) + std::log(policy::kMarginFamily);
     });
     if (!other) plain.push_back(i);
   }
-  std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, false) < held(b, false); });
+  std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, shorter) < held(b, shorter); });
   settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + pass + ")";
   settled.causes = plain;
   double largest = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i) {
-    const double share = std::min(explained(i, true), explained(i, false));
+    const double share = std::min(explained(i, shorter), explained(i, longer(i)));
     if (share > largest) largest = share, settled.best = i;
   }
   if (plain.size() == 1) {
@@ -254,7 +268,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     settled.reason = fmt::format(
         "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
         "more than noise",
-        all[plain[0]].Name(), 100.0 * explained(plain[0], false));
+        all[plain[0]].Name(), 100.0 * explained(plain[0], shorter));
   } else if (!plain.empty() && plain.size() <= policy::kMostAlike) {
     settled.verdict = Verdict::kAmbiguous;
     settled.reason = fmt::format("these records do not separate {}", Listed(contest, plain));

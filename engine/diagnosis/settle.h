@@ -11,11 +11,9 @@
 
 namespace dynoproof::diagnosis {
 
-/// Logarithm of what a model leaves beyond the noise on data that took no part, over what the plan as given leaves there: in
-/// a run that the record corrects, and in the free run. Nothing: that run breaks.
-struct HeldOut {
-  std::optional<double> corrected, free_run;
-};
+/// By level: logarithm of what a model leaves beyond the noise on data that took no part, over what the plan as given leaves
+/// there. Nothing: that run breaks.
+using HeldOut = std::vector<std::optional<double>>;
 
 struct Settled {
   Verdict verdict = Verdict::kUnexplained;
@@ -31,8 +29,8 @@ struct Settled {
 /// below. Then the weights of models against each other decide, and the share of the null's excess that is removed.
 std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels);
 
-/// `held_out`: by contestant. `least`: the smallest over this and any other contest, for each run.
+/// `held_out`: by contestant. `least`: the smallest over this and any other contest, by level.
 Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
-               const HeldOut& least);
+               const std::vector<double>& least);
 
 }  // namespace dynoproof::diagnosis

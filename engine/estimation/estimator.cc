@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
 constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
@@ -93,26 +94,40 @@ class Residual : public ceres::CostFunction {
     const VectorXd weighted = Weighted(*here);
     std::copy(weighted.begin(), weighted.end(), residuals);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const VectorXd lower = hypothesis_.lower(), upper = hypothesis_.upper();
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> jacobian(jacobians[0], weighted.size(), q.size());
-    for (Index i = 0; i < q.size(); ++i) {
-      VectorXd moved = q;
+    if (frozen_.size() > 0) {
+      jacobian = frozen_;
+      return true;
+    }
+    const std::optional<RowMajor> columns = ColumnsAt(*here, weighted);
+    if (columns) jacobian = *columns;
+    return columns.has_value();
+  }
+
+  /// d weighted / d q, by differences; nothing where a run breaks.
+  std::optional<RowMajor> ColumnsAt(const Point& here, const VectorXd& weighted) const {
+    const VectorXd upper = hypothesis_.upper();
+    RowMajor columns(weighted.size(), here.q.size());
+    for (Index i = 0; i < here.q.size(); ++i) {
+      VectorXd moved = here.q;
       const Parameter& parameter = hypothesis_.parameters()[static_cast<std::size_t>(i)];
       if (const std::optional<Index> column = KnownOf(parameter)) {
-        jacobian.col(i) = Known(*column, i, weighted);
+        columns.col(i) = Known(*column, i, weighted);
         continue;
       }
       double step = rough_ ? parameter.rough_step : parameter.step;
-      if (q[i] + step > upper[i]) step = -step;
+      if (here.q[i] + step > upper[i]) step = -step;
       moved[i] += step;
       const std::optional<Point> there = At(moved);
-      if (!there) return false;
-      jacobian.col(i) = (Weighted(*there) - weighted) / step;
+      if (!there) return std::nullopt;
+      columns.col(i) = (Weighted(*there) - weighted) / step;
     }
     last_ = here;
-    return true;
+    return columns;
   }
+
+  /// From now on Evaluate() gives these columns; empty: new ones at each point.
+  void Freeze(RowMajor columns) { frozen_ = std::move(columns); }
 
   const std::vector<ChannelScale>& scales() const { return scales_; }
   const std::string& broken() const { return broken_; }
@@ -152,6 +167,7 @@ class Residual : public ceres::CostFunction {
   Index rows_ = 0;
   bool rough_ = false;
   std::vector<Index> priors_;
+  RowMajor frozen_;
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -185,84 +201,114 @@ std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovati
   return scales;
 }
 
+namespace {
+
+/// What a Gauss-Newton step from here would take off the criterion, as far as the bounds let it.
+double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const VectorXd& q, const VectorXd& lower,
+                   const VectorXd& upper) {
+  const VectorXd gradient = columns.transpose() * weighted;
+  std::vector<Index> free;
+  for (Index i = 0; i < q.size(); ++i) {
+    const bool held = (q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0);
+    if (!held) free.push_back(i);
+  }
+  const Eigen::MatrixXd own = columns(Eigen::all, free);
+  const VectorXd slope = gradient(free);
+  return slope.dot((own.transpose() * own).completeOrthogonalDecomposition().solve(slope));
+}
+
+/// Levenberg-Marquardt within the bounds. Says why it failed; empty: it did not.
+std::string Descend(const Residual& residual, const EstimatorOptions& options, const VectorXd& lower,
+                    const VectorXd& upper, double squares, VectorXd& q, Estimate& estimate) {
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(const_cast<Residual*>(&residual), nullptr, q.data());
+  for (Index i = 0; i < q.size(); ++i) {
+    problem.SetParameterLowerBound(q.data(), static_cast<int>(i), lower[i]);
+    problem.SetParameterUpperBound(q.data(), static_cast<int>(i), upper[i]);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.max_num_iterations = options.iterations;
+  solver.function_tolerance = 0.1 * options.converged / squares;
+  solver.parameter_tolerance = 1e-10;
+  solver.gradient_tolerance = 1e-14;
+  solver.logging_type = ceres::SILENT;
+  // Beside bounds Ceres searches along each step: by values alone, for a slope costs a simulation a parameter.
+  solver.line_search_interpolation_type = ceres::BISECTION;
+  solver.max_num_line_search_step_size_iterations = 3;
+  solver.max_num_consecutive_invalid_steps = 10;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  estimate.iterations += static_cast<int>(summary.iterations.size());
+  return summary.termination_type == ceres::FAILURE ? summary.message : "";
+}
+
+}  // namespace
+
 Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const VectorXd& start,
              const EstimatorOptions& options) {
   Estimate estimate;
   const std::int64_t before = predictor.simulations();
   Residual residual(hypothesis, predictor, options.known);
   const VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
-  VectorXd q = start.cwiseMax(lower).cwiseMin(upper);
+  VectorXd q = start.cwiseMax(lower).cwiseMin(upper), weighted;
+  RowMajor columns;
   std::optional<Point> point = residual.At(q);
   estimate.termination = "as often renewed as allowed";
-  for (int renewal = 0; point && renewal < options.renewals; ++renewal) {
+  bool fresh = false;  // columns of their own for each step of the descent
+  for (;; ++estimate.renewals) {
+    if (!point) break;
     const std::vector<ChannelScale> old = residual.scales();
     residual.About(*point);
-    const double begun = residual.CriterionOf(residual.Weighted(*point));
-    if (q.size() == 0) break;
+    weighted = residual.Weighted(*point);
+    const double begun = residual.CriterionOf(weighted);
     if (!std::isfinite(begun)) {
       estimate.broken = "the innovations are not finite";
       break;
     }
-    ceres::Problem::Options ownership;
-    ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::Problem problem(ownership);
-    problem.AddResidualBlock(&residual, nullptr, q.data());
-    for (Index i = 0; i < q.size(); ++i) {
-      problem.SetParameterLowerBound(q.data(), static_cast<int>(i), lower[i]);
-      problem.SetParameterUpperBound(q.data(), static_cast<int>(i), upper[i]);
-    }
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR;
-    solver.max_num_iterations = options.iterations;
-    solver.function_tolerance = 0.1 * options.converged / residual.Weighted(*point).squaredNorm();
-    solver.parameter_tolerance = 1e-10;
-    solver.gradient_tolerance = 1e-14;
-    solver.logging_type = ceres::SILENT;
-    // Beside bounds Ceres searches along each step: by values alone, for a slope costs a simulation a parameter.
-    solver.line_search_interpolation_type = ceres::BISECTION;
-    solver.max_num_line_search_step_size_iterations = 3;
-    solver.max_num_consecutive_invalid_steps = 10;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    estimate.iterations += static_cast<int>(summary.iterations.size());
-    ++estimate.renewals;
-    if (summary.termination_type == ceres::FAILURE) {
-      estimate.broken = summary.message;
+    if (q.size() == 0) break;
+    const std::optional<RowMajor> here = residual.ColumnsAt(*point, weighted);
+    if (!here) break;
+    columns = *here;
+    bool settled = DecrementOf(columns, weighted, q, lower, upper) < options.converged;
+    for (std::size_t c = 0; c < old.size(); ++c)
+      settled = settled && std::abs(residual.scales()[c].rms / old[c].rms - 1.0) < kSettledScale;
+    if (settled) estimate.termination = "settled";
+    if (settled || estimate.renewals == options.renewals) break;
+    // These columns serve for the whole descent, a simulation a step; where they lead nowhere, each step gets its own.
+    residual.Freeze(fresh ? RowMajor() : columns);
+    estimate.broken = Descend(residual, options, lower, upper, weighted.squaredNorm(), q, estimate);
+    residual.Freeze({});
+    if (!estimate.ok()) break;
+    const std::optional<Point> there = residual.At(q);
+    const bool gained = there && begun - residual.CriterionOf(residual.Weighted(*there)) >= options.converged;
+    if (gained || !there) {
+      point = there;
+    } else if (fresh) {
+      estimate.termination = "no lower anywhere near";
       break;
     }
-    point = residual.At(q);
-    if (!point) break;
-    const std::vector<ChannelScale> now = ScalesOf(predictor.data(), point->innovations, point->noise_alone);
-    bool settled = begun - residual.CriterionOf(residual.Weighted(*point)) < options.converged;
-    for (std::size_t c = 0; c < now.size(); ++c)
-      settled = settled && std::abs(now[c].rms / residual.scales()[c].rms - 1.0) < kSettledScale;
-    if (settled) {
-      estimate.termination = "settled";
-      break;
-    }
+    fresh = !gained;
+    q = point ? point->q : q;
   }
   if (!point) estimate.broken = residual.broken();
   if (!estimate.ok()) return estimate;
-  residual.About(*point);
-  estimate.q = q;
+  if (columns.rows() == 0 && q.size() > 0) {
+    estimate.broken = residual.broken();
+    return estimate;
+  }
+  estimate.q = point->q;
   estimate.innovations = point->innovations;
   estimate.scales = residual.scales();
-  const VectorXd weighted = residual.Weighted(*point);
   estimate.criterion = residual.CriterionOf(weighted);
   estimate.weighted = weighted.head(residual.rows());
   if (q.size() > 0) {
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> slopes(weighted.size(), q.size());
-    VectorXd rows(weighted.size());
-    const double* at = q.data();
-    double* columns = slopes.data();
-    if (!residual.Evaluate(&at, rows.data(), &columns)) {
-      estimate.broken = residual.broken();
-      return estimate;
-    }
-    estimate.jacobian = slopes.topRows(residual.rows());
+    estimate.jacobian = columns.topRows(residual.rows());
     const Index channels = std::ssize(estimate.scales);
     estimate.noise_slope =
-        rows.segment(residual.rows(), channels).asDiagonal() * slopes.middleRows(residual.rows(), channels);
+        weighted.segment(residual.rows(), channels).asDiagonal() * columns.middleRows(residual.rows(), channels);
   }
   estimate.simulations = predictor.simulations() - before;
   return estimate;

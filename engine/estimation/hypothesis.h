@@ -13,6 +13,13 @@ namespace dynoproof::estimation {
 
 class Hypothesis {
  public:
+  /// An effect of the hypothesis.
+  struct Applied {
+    const Effect* effect;
+    Place place;
+    bool operator==(const Applied&) const = default;
+  };
+
   /// The plan with its effects applied, and nothing free.
   explicit Hypothesis(Plan nominal) : nominal_(std::move(nominal)) {}
 
@@ -29,6 +36,8 @@ class Hypothesis {
   Hypothesis With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const;
 
   const Plan& nominal() const { return nominal_; }
+  /// In the order in which they came on top.
+  const std::vector<Applied>& effects() const { return effects_; }
   /// How many of the parameters are those of effects.
   std::size_t of_effects() const;
   /// Effects' first, in order; then the plan's.
@@ -44,10 +53,6 @@ class Hypothesis {
   std::string Name() const;
 
  private:
-  struct Applied {
-    const Effect* effect;
-    Place place;
-  };
   void Insert(std::size_t at, Parameter parameter, double value);
   Hypothesis WithNominalValues(const Registry& registry, bool released) const;
 

@@ -90,7 +90,7 @@ EstimationProblem::EstimationProblem(Plan plan, std::vector<MappedRecord> record
     if (until < 1.0) CutRecord(record, until);
   }
   given_ = records_;
-  nuisances_ = NuisancesOf(plan_, registry);
+  nuisances_ = NuisancesOf(plan_, registry, context_.released);
   if (std::none_of(records_.begin(), records_.end(), [](const MappedRecord& record) { return record.in_motion; }))
     std::erase_if(nuisances_, [](const Nuisance& nuisance) { return nuisance.only_in_motion; });
   if (const std::optional<double> window_s = PredictionWindow(plan_)) Observe(*window_s);

@@ -53,6 +53,7 @@ void CutRecord(MappedRecord& record, double until);
 struct SearchContext {
   std::shared_ptr<mechanics::Decompositions> decompositions = std::make_shared<mechanics::Decompositions>();
   std::shared_ptr<Allowance> allowance = std::make_shared<Allowance>();
+  bool released = false;  // nominal values that are let go are nuisances, too
 };
 
 class EstimationProblem {

@@ -8,7 +8,7 @@
 
 namespace dynoproof::identification {
 
-std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry) {
+std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bool released) {
   const PlantTraits& plant = registry.PlantOf(plan);
   if (!plant.nuisances) return {};
   std::map<std::string, std::pair<const Effect*, Place>> scaled;  // by the path of the number
@@ -18,6 +18,7 @@ std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry) {
   std::vector<Nuisance> nuisances;
   for (const NuisanceParameter& one : plant.nuisances(plan)) {
     const Value* value = plan.root.FindPath(one.path);
+    if (one.only_released && !released) continue;
     if (one.relative && (value == nullptr || !value->is_number() || value->number() == 0.0)) continue;
     nuisances.push_back(
         {one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_with_structure, one.only_in_motion});

@@ -23,8 +23,9 @@ struct Nuisance {
   bool only_in_motion = false;  // of a start: only of records that begin otherwise than the plan does
 };
 
-/// All nuisance parameters of the plan: what its plant declares.
-std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry);
+/// All nuisance parameters of the plan: what its plant declares; `released`: those as well that are free only where nominal
+/// values are let go.
+std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bool released = false);
 
 /// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
 /// passed over.

@@ -24,7 +24,11 @@ struct NuisanceParameter {
   bool initial = false;              // an initial state: belongs to the record, not to the model
   bool only_with_structure = false;  // free only where an effect changes the structure; never negative then
   bool only_in_motion = false;       // of an initial state: only of records that begin otherwise than the plan does
+  bool only_released = false;        // exact, unless nominal values are let go: then it is a fitted value like others
 };
+
+/// The forces and dampings in [plant.load], which stand for whatever a fit has put there; not those that are 0.
+std::vector<NuisanceParameter> LoadSizes(const Plan& plan);
 
 /// An initial value of the plan that an output shows: the record's first sample takes its place.
 struct MeasuredStart {

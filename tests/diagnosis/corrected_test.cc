@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,17 @@ TEST(SlowCorrected, NamesDryFrictionAtItsPlace) {
   ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
   EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "coulomb_friction@inertia:I5");
   EXPECT_NEAR(found.effects[0].parameters[0].value, 30.0, 1.5);
+}
+
+TEST(SlowCorrected, NamesTwoCausesOneAfterTheOther) {
+  const Plan one = WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4});
+  const Diagnosis found = DiagnosisOf(WithEffect(one, "sensor_gain", "output:omega_1", {1.08}), 0.01);
+  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason << "\n" << ToText(found.journal);
+  ASSERT_EQ(found.effects.size(), 2u);
+  std::map<std::string, double> sizes;
+  for (const FoundEffect& effect : found.effects) sizes[effect.name + "@" + effect.at] = effect.parameters[0].value;
+  EXPECT_NEAR(sizes["actuator_delay@input:T_airgap"], 2.5e-4, 5e-6);
+  EXPECT_NEAR(sizes["sensor_gain@output:omega_1"], 1.08, 0.01);
 }
 
 }  // namespace

@@ -53,6 +53,8 @@ std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
                            "a record may start while the line swings", true, false, true});
     }
   }
+  const std::vector<NuisanceParameter> loads = LoadSizes(plan);
+  nuisances.insert(nuisances.end(), loads.begin(), loads.end());
   return nuisances;
 }
 

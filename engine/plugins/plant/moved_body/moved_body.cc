@@ -17,11 +17,14 @@ PluginInfo MovedBody::Info() {
 
 PlantTraits MovedBody::Traits() {
   PlantTraits traits;
-  traits.nuisances = [](const Plan&) {
+  traits.nuisances = [](const Plan& plan) {
     // assumed: any size is as good as another beside an effect that takes its share.
     const char* reason = "stands for whatever carries the body: a fitted value, no data sheet's";
-    return std::vector<NuisanceParameter>{{"plant.stiffness_N_per_m", true, 1.0, reason},
-                                          {"plant.damping_Ns_per_m", true, 1.0, reason}};
+    std::vector<NuisanceParameter> nuisances = {{"plant.stiffness_N_per_m", true, 1.0, reason},
+                                                {"plant.damping_Ns_per_m", true, 1.0, reason}};
+    const std::vector<NuisanceParameter> loads = LoadSizes(plan);
+    nuisances.insert(nuisances.end(), loads.begin(), loads.end());
+    return nuisances;
   };
   traits.bodies = [](const Plan& plan) {
     const Value* body = plan.root.FindPath("plant.body");
