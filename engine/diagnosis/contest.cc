@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "base/parallel.h"
 #include "diagnosis/candidates.h"
@@ -25,6 +26,8 @@ using estimation::Fit;
 using estimation::Hypothesis;
 using estimation::LinearModel;
 using estimation::Predictor;
+
+constexpr const char* kNotFitted = "not fitted";
 
 /// Standard error of a channel's power, of itself.
 double PowerError(const ChannelScale& scale, const Channel& channel) {
@@ -126,12 +129,18 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
   return estimate;
 }
 
+/// The share of the null's excess that a model removes at a level.
+double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
+  return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
+                        LogExcess(null.levels[level].scales, levels.data()));
+}
+
 /// One cheap fit from the start that removes most, sized by it.
 Contestant FirstLook(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
   constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
   Contestant contestant(candidate.hypothesis);
   contestant.levels.resize(levels.size());
-  for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
+  for (Estimate& estimate : contestant.levels) estimate.broken = kNotFitted;
   const Screen screen(null, levels[level], level);
   const auto own = static_cast<Index>(candidate.hypothesis.of_effects() - candidate.effect->info().parameters.size());
   const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
@@ -158,10 +167,7 @@ Contestant FirstLook(const Trial& candidate, const Contestant& null, const Level
   const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
   contestant.levels[level] = AsLoudAs(
       null, level, Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .known = known}));
-  const auto share = [&](std::size_t at) {
-    return 1.0 - std::exp(LogExcess(contestant.levels[at].scales, levels.data()) -
-                          LogExcess(null.levels[at].scales, levels.data()));
-  };
+  const auto share = [&](std::size_t at) { return ShareOf(contestant, null, levels, at); };
   if (contestant.Holds(level)) contestant.share = share(level), best = contestant.levels[level].q;
   // And at the next level: a strong correction leaves little of what only accumulates.
   const std::size_t next = level + 1;
@@ -218,13 +224,48 @@ Estimate FitWith(const Contestant& contestant, const Contestant& null, const Lev
   return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near));
 }
 
-/// From its first look through all levels.
-void Carry(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t first) {
-  VectorXd from = contestant.levels[contestant.Holds(first) ? first : first + 1].q;
+/// Whether a model may be exact where its run is corrected less: it is near the noise here.
+bool NearTheNoise(const Estimate& estimate) {
+  constexpr double kNear = 3.0;
+  return std::ranges::all_of(estimate.scales,
+                             [](const ChannelScale& one) { return one.rms <= kNear * one.noise_alone; });
+}
+
+/// From their first look through all levels, side by side. What removes next to nothing where another removes most is not
+/// followed further; and memories beyond the record's length, which lead to the exact minimum of the free run, are only for a
+/// model that is near the noise before.
+void Carry(std::span<Contestant> contestants, const Contestant& null, const Levels& levels, std::size_t first,
+           const std::function<void(double)>& progress) {
+  std::vector<VectorXd> from;
+  for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
+  std::vector<bool> followed(contestants.size(), true);
   for (std::size_t level = first; level < levels.size(); ++level) {
-    Estimate estimate = FitWith(contestant, null, levels, level, from);
-    if (estimate.ok()) from = estimate.q;
-    contestant.levels[level] = std::move(estimate);
+    const bool between = level > levels.longest() && level < levels.free_run();
+    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+      Contestant& own = contestants[i];
+      const std::size_t before = std::min(levels.longest(), level);
+      if (!followed[i] || (between && own.Holds(before) && !NearTheNoise(own.levels[before]))) {
+        own.levels[level].broken = kNotFitted;
+        return;
+      }
+      Estimate estimate = FitWith(own, null, levels, level, from[i]);
+      if (estimate.ok()) from[i] = estimate.q;
+      own.levels[level] = std::move(estimate);
+    });
+    progress(static_cast<double>(level - first + 1) / static_cast<double>(levels.size() - first));
+    if (level == first || !null.Holds(level)) continue;
+    double most = 0.0;
+    for (const Contestant& one : contestants) {
+      if (one.Holds(level)) most = std::max(most, ShareOf(one, null, levels, level));
+    }
+    for (std::size_t i = 0; i < contestants.size(); ++i) {
+      bool little = most >= policy::kMost;
+      for (std::size_t seen = first; seen <= level; ++seen) {
+        if (contestants[i].Holds(seen) && null.Holds(seen))
+          little = little && ShareOf(contestants[i], null, levels, seen) < policy::kLittle;
+      }
+      if (little) followed[i] = false;
+    }
   }
 }
 
@@ -232,7 +273,7 @@ void Carry(Contestant& contestant, const Contestant& null, const Levels& levels,
 void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& null, const Levels& levels,
              std::size_t level) {
   constexpr double kWorth = 1e-3;  // of the logarithm of the excess
-  if (!other.Holds(level)) return;
+  if (!other.Holds(level) || contestant.levels[level].broken == kNotFitted) return;
   VectorXd from = StartFrom(contestant.hypothesis, other.hypothesis, other.levels[level].q);
   const auto own = static_cast<Index>(contestant.hypothesis.of_effects());
   if (contestant.Holds(level)) from.head(own) = contestant.levels[level].q.head(own);
@@ -253,18 +294,19 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
 
 Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
                                            const Registry& registry, double compared_from_s, Index most_rows,
-                                           const Levels* like) {
+                                           const Levels* like, double most_s) {
   std::unique_ptr<Levels> levels(new Levels());
   const DataSet whole(records, plan);
   const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
   if (!model.ok()) return model.failure();
   levels->model_ = *model;
-  const double duration_s = whole.records().front().end_s;
+  const double duration_s = std::min(whole.records().front().end_s, most_s);
   const double memory_s = estimation::MemoryFor(*model, duration_s);
   double from_s = compared_from_s;
   if (!(from_s > 0.0) && std::ranges::any_of(whole.records(), &MappedRecord::in_motion))
     from_s = estimation::LeadInOf(memory_s, duration_s);
-  levels->data_ = std::make_unique<DataSet>(records, plan, DataSet::Options{.from_s = from_s, .most_rows = most_rows});
+  levels->data_ = std::make_unique<DataSet>(
+      records, plan, DataSet::Options{.from_s = from_s, .most_s = most_s, .most_rows = most_rows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   if (like != nullptr) {
     levels->memories_s_ = like->memories_s_;
@@ -364,12 +406,9 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
     if (one->Holds(contest.first) || one->Holds(contest.first + 1)) ranked.push_back(*std::move(one));
   }
   std::ranges::stable_sort(ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
-  const std::size_t kept = std::min(policy::kCarried, ranked.size());
-  done = 0;
-  ParallelFor(kept, 0, [&](std::size_t i) {
-    Carry(ranked[i], null, levels, contest.first);
-    progress(0.5 + 0.4 * static_cast<double>(++done) / static_cast<double>(kept));
-  });
+  const std::size_t kept =
+      std::min(null.hypothesis.effects().empty() ? policy::kCarried : policy::kCarriedOnTop, ranked.size());
+  Carry({ranked.data(), kept}, null, levels, contest.first, [&](double share) { progress(0.5 + 0.4 * share); });
   count("through the levels");
   contest.contestants.push_back(std::move(null));
   for (std::size_t i = 0; i < ranked.size(); ++i)

@@ -18,10 +18,10 @@ class Levels {
  public:
   /// `compared_from_s`: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
   /// record in motion from where its start has been forgotten. Fails where the plan cannot be run.
-  /// `like`: with the same memories as these, not those that suit the records.
+  /// `like`: with the same memories as these, not those that suit the records. `most_s`: of each record.
   static Result<std::unique_ptr<Levels>> Of(const Plan& plan, const std::vector<MappedRecord>& records,
                                             const Registry& registry, double compared_from_s, Eigen::Index most_rows,
-                                            const Levels* like = nullptr);
+                                            const Levels* like = nullptr, double most_s = 1e300);
 
   const estimation::DataSet& data() const { return *data_; }
   std::size_t size() const { return predictors_.size(); }

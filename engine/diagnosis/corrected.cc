@@ -56,7 +56,8 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
       identification::CutRecord(record, kTrainingShare);
     }
   }
-  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows);
+  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
   if (!training.ok()) return training.failure();
   const double from_s = holdout.empty() ? kTrainingShare * data.front().end_s : 0.0;
   Result<std::unique_ptr<Levels>> held =
@@ -154,6 +155,17 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
     all.push_back(std::move(found));
   }
   return all;
+}
+
+/// Whether what a model leaves at its longest memory may be another cause beside a noise that can be seen.
+bool NearEnough(const Contestant& one) {
+  for (std::size_t level = one.levels.size(); level-- > 0;) {
+    if (!one.Holds(level)) continue;
+    return std::ranges::all_of(one.levels[level].scales, [](const estimation::ChannelScale& scale) {
+      return scale.rms <= policy::kNearEnough * scale.noise_alone;
+    });
+  }
+  return false;
 }
 
 /// What the comparison said of a candidate, by its name.
@@ -285,9 +297,13 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
   // Once more with the cause in the model, for there may be several.
   const auto extend = [&](Result<Answer>& answer) {
     for (int causes = 1; causes < kMostCauses && !answer->settled.exact; ++causes) {
-      const std::optional<std::size_t> leader =
-          !answer->settled.causes.empty() ? answer->settled.causes.front() : answer->settled.best;
+      const Settled& settled = answer->settled;
+      const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
+      const std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
+                                                : most                  ? settled.best
+                                                                        : std::nullopt;
       if (!leader) return;
+      if (!answer->contest.released && !NearEnough(answer->contest.contestants[*leader])) return;
       const Contestant& null = answer->contest.contestants[*leader];
       Result<Answer> next = ask(null, answer->contest.released, "with " + null.Name());
       if (!next.ok() || !Adds(*answer, *next)) return;

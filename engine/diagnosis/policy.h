@@ -43,8 +43,15 @@ inline constexpr double kNoiseSize = 1.2;
 inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 /// How well the power of noise is known [of itself]: sixth differences of white noise tell it to that.
 inline constexpr double kNoiseKnown = 0.02;
-/// Candidates that are carried from a first look through all levels.
-inline constexpr std::size_t kCarried = 10;
+/// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
+inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
+/// Where one candidate removes the one share of the excess, those that have removed no more than the other are not followed:
+/// a cause that leaves 95 % where another leaves half is none, whatever comes.
+inline constexpr double kMost = 0.5, kLittle = 0.05;
+/// Steps of a run that a search simulates: 1.2 s at 10 kHz are some 500 periods of a line's first mode.
+inline constexpr double kSearchedSteps = 12'000.0;
+/// RMS over the noise up to which a second cause is looked for under the priors: a pair may leave nothing but noise there.
+inline constexpr double kNearEnough = 30.0;
 /// Least share of the null's excess that a cause removes, on training data.
 inline constexpr double kShare = 0.2;
 /// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.

@@ -236,25 +236,25 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
                                : !names       ? "a number is on its bound"
                                               : "too small a share"});
   }
-  std::vector<std::size_t> standing;
-  for (const std::size_t i : admitted) {
-    if (std::ranges::none_of(admitted, [&](std::size_t k) { return k != i && beats(k, i); })) standing.push_back(i);
-  }
-  KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return beats(a, b); });
-  // Within a family the law with the fewest numbers that is not far from the family's best.
+  // Within a family, laws of one place that act alike, the one with the fewest numbers that is not far from the best stands for
+  // it: the others beat it by what no model here explains.
   const auto family = [&](std::size_t i) {
     const std::string& own = all[i].effect().info().traits.family;
     return (own.empty() ? all[i].effect().info().name : own) + "@" + all[i].place().ToString();
   };
-  std::vector<std::size_t> plain;
-  for (const std::size_t i : standing) {
-    const bool other = std::ranges::any_of(standing, [&](std::size_t k) {
-      const auto numbers = [&](std::size_t n) { return all[n].effect().info().parameters.size(); };
-      return k != i && family(k) == family(i) && numbers(k) < numbers(i) &&
+  const auto numbers = [&](std::size_t i) { return all[i].effect().info().parameters.size(); };
+  std::vector<std::size_t> represented = admitted;
+  std::erase_if(represented, [&](std::size_t i) {
+    return std::ranges::any_of(admitted, [&](std::size_t k) {
+      return family(k) == family(i) && numbers(k) < numbers(i) &&
              held(k, shorter) <= held(i, shorter) + std::log(policy::kMarginFamily);
     });
-    if (!other) plain.push_back(i);
+  });
+  std::vector<std::size_t> plain;
+  for (const std::size_t i : represented) {
+    if (std::ranges::none_of(represented, [&](std::size_t k) { return k != i && beats(k, i); })) plain.push_back(i);
   }
+  KeepPlainer(contest, plain, beats);
   std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, shorter) < held(b, shorter); });
   settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + pass + ")";
   settled.causes = plain;
@@ -263,6 +263,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     const double share = std::min(explained(i, shorter), explained(i, longer(i)));
     if (share > largest) largest = share, settled.best = i;
   }
+  settled.best_explains = largest;
   if (plain.size() == 1) {
     settled.verdict = Verdict::kMainCause;
     settled.reason = fmt::format(

@@ -1,0 +1,159 @@
+// The rows of the table that turns a contest into a verdict, each on fits that are made up: what they leave is a noise, and a
+// share of a course that nothing but the truth removes.
+#include "diagnosis/settle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using estimation::Estimate;
+using estimation::RecordOf;
+using estimation::Scenario;
+
+constexpr double kNoise = 0.01, kCourse = 0.1;  // RMS, of the output's spread
+
+/// What a fit leaves: its share of the course, and a course of its own.
+struct Left {
+  const char* effect;
+  const char* at;
+  double share;
+  double own = 0.0;
+  double held_out = 0.0;  // excess on data that took no part, over that of the given plan
+  bool on_bound = false;
+};
+
+class SettleTest : public ::testing::Test {
+ protected:
+  SettleTest()
+      : plan_(Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"})),
+        levels_(*Levels::Of(plan_, {RecordOf(plan_, kNoise, {"T_shaft"})}, testing::BuiltIns(), 0.0, 1000)) {
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    const Eigen::Index rows = levels_->data().measured().size();
+    for (Eigen::VectorXd* one : {&noise_, &course_}) {
+      one->resize(rows);
+      for (double& value : *one) value = normal(random);
+    }
+    noise_ *= Spread() * kNoise;
+    course_ *= Spread() * kCourse;
+  }
+
+  double Spread() const { return levels_->data().channels()[0].spread; }
+
+  Estimate EstimateOf(const estimation::Hypothesis& hypothesis, double share, double own, int stream) const {
+    Estimate estimate;
+    estimate.q = hypothesis.start();
+    std::mt19937_64 random(static_cast<std::uint64_t>(100 + stream));
+    std::normal_distribution<double> normal;
+    estimate.innovations = noise_ + share * course_;
+    for (double& value : estimate.innovations) value += own * Spread() * kCourse * normal(random);
+    estimate.scales =
+        estimation::ScalesOf(levels_->data(), estimate.innovations, Eigen::VectorXd::Constant(1, Spread() * kNoise));
+    estimate.weighted = estimate.innovations / estimate.scales[0].rms;
+    return estimate;
+  }
+
+  /// The null leaves the whole course, or this share of it.
+  Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0) const {
+    Contest contest;
+    contest.released = false;
+    std::vector<HeldOut> held_out;
+    std::vector<double> least(levels_->size(), 0.0);
+    const auto add = [&](estimation::Hypothesis hypothesis, const Left& left, int stream) {
+      Contestant contestant(std::move(hypothesis));
+      for (std::size_t level = 0; level < levels_->size(); ++level) {
+        contestant.levels.push_back(EstimateOf(contestant.hypothesis, left.share, left.own, stream));
+        if (left.on_bound) contestant.levels.back().q[0] = contestant.hypothesis.upper()[0];
+        least[level] = std::min(least[level], std::log(std::max(left.held_out, 1e-9)));
+      }
+      held_out.emplace_back(levels_->size(), std::log(std::max(left.held_out, 1e-9)));
+      contest.contestants.push_back(std::move(contestant));
+    };
+    const estimation::Hypothesis base(plan_);
+    add(base, {"", "", null, 0.0, 1.0}, 0);
+    int stream = 1;
+    for (const Left& one : candidates)
+      add(base.With(*testing::BuiltIns().FindEffect(one.effect), *ParsePlace(one.at), Magnitudes{}), one, stream++);
+    return Settle(contest, *levels_, held_out, least);
+  }
+
+  Plan plan_;
+  std::unique_ptr<Levels> levels_;
+  Eigen::VectorXd noise_, course_;
+};
+
+const Left kTruth{"viscous_friction", "inertia:I5", 0.0, 0.0, 0.02}, kFar{"constant_load", "inertia:I1", 0.8, 0.3, 0.7};
+
+TEST_F(SettleTest, OneModelThatLeavesNothingButNoiseIsFound) {
+  const Settled settled = SettledOf({kTruth, kFar});
+  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
+  EXPECT_TRUE(settled.exact);
+  EXPECT_EQ(settled.level, levels_->free_run());
+}
+
+TEST_F(SettleTest, ANullThatLeavesNothingButNoiseHasNoCause) {
+  const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.0, 0.001, 1.0}, kFar}, 0.0);
+  EXPECT_EQ(settled.verdict, Verdict::kNoEffect) << settled.reason;
+  EXPECT_TRUE(settled.causes.empty());
+}
+
+TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
+  const Left alike{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.02},
+      third{"actuator_gain", "input:T_airgap", 0.0, 0.0, 0.02}, fourth{"inertia_change", "inertia:I5", 0.0, 0.0, 0.02};
+  const Settled two = SettledOf({kTruth, kFar, alike});
+  EXPECT_EQ(two.verdict, Verdict::kAmbiguous) << two.reason;
+  EXPECT_EQ(two.causes, (std::vector<std::size_t>{1, 3}));
+  const Settled four = SettledOf({kTruth, alike, third, fourth});
+  EXPECT_EQ(four.verdict, Verdict::kUnexplained) << four.reason;
+}
+
+TEST_F(SettleTest, AnExactModelBesideASmallShareOfItsOwnIsNoCause) {
+  // The null leaves hardly more than noise: what an effect removes of that is less than a fifth.
+  const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.048, 0.0, 0.9}}, 0.05);
+  EXPECT_NE(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_TRUE(settled.causes.empty());
+}
+
+TEST_F(SettleTest, ANumberOnItsBoundNamesNothing) {
+  Left bound = kTruth;
+  bound.on_bound = true;
+  const Settled settled = SettledOf({bound, kFar});
+  EXPECT_EQ(settled.verdict, Verdict::kUnexplained) << settled.reason;
+  EXPECT_TRUE(settled.causes.empty());
+}
+
+TEST_F(SettleTest, ALawThatAddsNothingToAPlainerOneStandsBack) {
+  const Left plain{"coulomb_friction", "inertia:I5", 0.0, 0.0, 0.02},
+      refined{"stribeck_friction", "inertia:I5", 0.0, 0.001, 0.02};
+  const Settled settled = SettledOf({refined, plain, kFar});
+  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{2});
+}
+
+TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
+  const Settled settled = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.1}, kFar});
+  EXPECT_EQ(settled.verdict, Verdict::kMainCause) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
+  EXPECT_FALSE(settled.exact);
+  // The same fit, and on the other data no better than the plan as given.
+  const Settled nothing = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.95}});
+  EXPECT_EQ(nothing.verdict, Verdict::kUnexplained) << nothing.reason;
+  EXPECT_TRUE(nothing.causes.empty());
+}
+
+TEST_F(SettleTest, ARunThatBreaksOnOtherDataIsNoCause) {
+  const Settled settled = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 1e300}});
+  EXPECT_EQ(settled.verdict, Verdict::kUnexplained) << settled.reason;
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
