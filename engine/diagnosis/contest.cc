@@ -40,8 +40,22 @@ struct Trial {
   Place place;
   Hypothesis hypothesis;
   std::vector<VectorXd> starts;        // coordinates of the effect alone
-  std::vector<std::size_t> strengths;  // of its parameters
+  std::vector<std::size_t> strengths;  // of its parameters, with what grows with them
 };
+
+/// The parameters that grow with the size of an effect: its strengths, and what is one of them by something, as the stiffness
+/// of a friction that is elastic: the stretch at which it gives way stays.
+std::vector<std::size_t> SizedWith(const Effect& effect) {
+  std::vector<std::size_t> sized = StrengthsOf(effect);
+  const std::vector<EffectParameter>& all = effect.info().parameters;
+  const std::vector<std::size_t> strengths = sized;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool by = std::ranges::any_of(
+        strengths, [&](std::size_t k) { return k != i && all[i].unit.starts_with(all[k].unit + "/"); });
+    if (by && std::ranges::find(sized, i) == sized.end()) sized.push_back(i);
+  }
+  return sized;
+}
 
 std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
                             const Registry& registry) {
@@ -51,7 +65,7 @@ std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const 
     for (const Place& place : effect->Places(base.nominal())) {
       if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
       if (std::ranges::find(base.effects(), Hypothesis::Applied{effect, place}) != base.effects().end()) continue;
-      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, StrengthsOf(*effect)};
+      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, SizedWith(*effect)};
       const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
       const auto& parameters = candidate.hypothesis.parameters();
       for (const std::vector<double>& start : effect->Starts(base.nominal(), place, magnitudes)) {

@@ -288,6 +288,17 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
     passes.push_back(HeldOutOf(*contest, *parts->held_out, given));
     Settled settled = Settle(*contest, levels, passes.back(), LeastOf(passes, levels.size()));
     result.journal.insert(result.journal.end(), settled.journal.begin(), settled.journal.end());
+    JournalEntry looked{"first look",
+                        {},
+                        "share of what the null leaves, " + stage,
+                        {},
+                        fmt::format("{} are carried", contest->contestants.size() - 1)};
+    for (const auto* some : {&contest->contestants, &contest->left_behind}) {
+      for (const Contestant& one : *some) {
+        if (one.share > 0.0) looked.numbers.emplace_back(one.Name(), one.share);
+      }
+    }
+    result.journal.push_back(std::move(looked));
     JournalEntry cost{"simulations", {}, stage, {}, ""};
     for (const Contest::Cost& one : contest->cost)
       cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));

@@ -26,7 +26,7 @@ double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std:
 /// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers
 /// may do nothing: friction that differs with direction may have no viscous part.
 bool NamesSomething(const Contestant& one, std::size_t level) {
-  constexpr double kOnBound = 1e-3;  // of the width
+  constexpr double kThere = 1e-6, kNearTheUpper = 1e-3;  // coordinates: 1 is a start's size
   if (!one.Holds(level)) return false;
   const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
   const auto end = static_cast<Eigen::Index>(one.hypothesis.of_effects());
@@ -34,11 +34,10 @@ bool NamesSomething(const Contestant& one, std::size_t level) {
   bool acts = count == 0;
   for (Eigen::Index i = end - count; i < end; ++i) {
     const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
-    const double q = one.levels[level].q[i], width = upper[i] - lower[i];
-    const bool low = q<lower[i] + 1e-9 * width, high = q> upper[i] - kOnBound * std::min(width, 1.0);
-    const auto at = [&](double value) { return std::abs(q - parameter.CoordinateOf(value)) < 1e-9 * width; };
-    const bool neutral = parameter.neutral && at(*parameter.neutral);
-    if ((low || high) && !neutral) return false;
+    const double q = one.levels[level].q[i];
+    const bool bound = q < lower[i] + kThere || q > upper[i] - std::min(kNearTheUpper, upper[i] - lower[i]);
+    const bool neutral = parameter.neutral && std::abs(q - parameter.CoordinateOf(*parameter.neutral)) < kThere;
+    if (bound && !neutral) return false;
     acts = acts || !neutral;
   }
   return acts;
@@ -89,6 +88,12 @@ void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, con
       return same && traits.refines == all[plain].effect().info().name && !beats(refined, plain);
     });
   });
+}
+
+/// Whether a model removes a share of what the plan as given and the null leave on data that took no part.
+bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level) {
+  if (!held_out[i][level]) return false;
+  return 1.0 - std::exp(*held_out[i][level] - std::min(0.0, held_out[0][level].value_or(0.0))) >= policy::kHeldOutPrior;
 }
 
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
@@ -149,7 +154,8 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
       if (!all[i].Holds(*level)) continue;
       settled.journal.push_back(EntryOf(contest, levels, weights, *level, i));
       bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
-                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
+                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level) &&
+                    HoldsElsewhere(held_out, i, *level);
       for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
       if (stands) standing.push_back(i);
     }

@@ -9,7 +9,7 @@ namespace {
 constexpr double kBound = 3.0;      // deviations: 0.3 % of sound values lie beyond
 constexpr double kReleased = 10.0;  // times a nominal value, up and down
 
-/// The smallest start that is taken for a parameter's size, of its bounds' width.
+/// The size of a parameter that starts where it does nothing, of its bounds' width.
 constexpr double kLeastSize = 1e-6;
 
 /// By coordinate, what `pick` takes of those of both bounds: of a negative number the upper one is the smaller.
@@ -94,7 +94,8 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     const EffectParameter& known = effect.info().parameters[i];
     const double value = std::clamp(start[i], known.lower, known.upper);
     const double neutral = std::isfinite(known.neutral) ? known.neutral : 0.0;
-    const double size = std::max(std::abs(value - neutral), kLeastSize * (known.upper - known.lower));
+    // Bounds may be as wide as physics goes: a start, where it is one, tells the size, however small it is beside them.
+    const double size = value != neutral ? std::abs(value - neutral) : kLeastSize * (known.upper - known.lower);
     Parameter parameter{effect.info().name + "@" + place.ToString() + " " + known.name,
                         known.unit,
                         false,
