@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "base/parallel.h"
@@ -149,15 +150,18 @@ double ShareOf(const Contestant& contestant, const Contestant& null, const Level
                         LogExcess(null.levels[level].scales, levels.data()));
 }
 
-/// One cheap fit from the start that removes most, sized by it.
-Contestant FirstLook(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
-  constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
-  Contestant contestant(candidate.hypothesis);
-  contestant.levels.resize(levels.size());
-  for (Estimate& estimate : contestant.levels) estimate.broken = kNotFitted;
-  const Screen screen(null, levels[level], level);
-  const auto own = static_cast<Index>(candidate.hypothesis.of_effects() - candidate.effect->info().parameters.size());
-  const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
+constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
+
+double Bounded(double size) { return std::copysign(std::clamp(std::abs(size), kLeastSize, kMostSize), size); }
+
+/// Where the numbers of the candidate itself begin.
+Index OwnOf(const Trial& candidate) {
+  return static_cast<Index>(candidate.hypothesis.of_effects() - candidate.effect->info().parameters.size());
+}
+
+/// The start that removes most, as large as the record asks for.
+VectorXd SizedStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
+  const Index own = OwnOf(candidate);
   VectorXd best = from;
   double removes = -1.0;
   for (const VectorXd& start : candidate.starts) {
@@ -166,7 +170,7 @@ Contestant FirstLook(const Trial& candidate, const Contestant& null, const Level
     const Signature signature = screen.Of(candidate.hypothesis, q);
     // A strength that is bounded to one sign removes nothing where the record asks for the other sign.
     VectorXd sized = q;
-    const double size = std::copysign(std::clamp(std::abs(signature.size), kLeastSize, kMostSize), signature.size);
+    const double size = Bounded(signature.size);
     bool forbidden = false;
     for (const std::size_t i : candidate.strengths) {
       const auto at = own + static_cast<Index>(i);
@@ -178,6 +182,42 @@ Contestant FirstLook(const Trial& candidate, const Contestant& null, const Level
     const double counts = forbidden ? 0.0 : signature.removes;
     if (counts > removes) removes = counts, best = sized;
   }
+  return best;
+}
+
+/// A sin(n phi + theta), in this order, is a sine and a cosine of one order, each with a size of its own: of the order of which
+/// both together remove most.
+VectorXd HarmonicStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
+  const Index own = OwnOf(candidate);
+  const auto& parameters = candidate.hypothesis.parameters();
+  const estimation::Parameter& phase = parameters[static_cast<std::size_t>(own) + 2];
+  VectorXd best = from;
+  double removes = -1.0;
+  for (const VectorXd& start : candidate.starts) {
+    VectorXd q = from;
+    q.segment(own, start.size()) = start;
+    q[own + 2] = phase.CoordinateOf(0.0);
+    const Signature sine = screen.Of(candidate.hypothesis, q);
+    q[own + 2] = phase.CoordinateOf(0.5 * std::numbers::pi);
+    const Signature cosine = screen.Of(candidate.hypothesis, q);
+    if (!(sine.removes + cosine.removes > removes)) continue;
+    removes = sine.removes + cosine.removes;
+    best = q;
+    best[own] = Bounded(std::hypot(sine.size, cosine.size)) * q[own];
+    best[own + 2] = phase.CoordinateOf(std::atan2(cosine.size, sine.size));
+  }
+  return best;
+}
+
+/// One cheap fit from the start that removes most, sized by it.
+Contestant FirstLook(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
+  Contestant contestant(candidate.hypothesis);
+  contestant.levels.resize(levels.size());
+  for (Estimate& estimate : contestant.levels) estimate.broken = kNotFitted;
+  const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
+  const Screen screen(null, levels[level], level);
+  VectorXd best = candidate.effect->info().traits.harmonic ? HarmonicStart(candidate, screen, from)
+                                                           : SizedStart(candidate, screen, from);
   const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
   contestant.levels[level] = AsLoudAs(
       null, level, Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .known = known}));
@@ -281,6 +321,39 @@ void Carry(std::span<Contestant> contestants, const Contestant& null, const Leve
       if (little) followed[i] = false;
     }
   }
+}
+
+/// A law is carried with the plainer one that it refines at its place, from the same values: of the two the plainer one is
+/// named where it does. Both stand among the first, of which there are as many as is told.
+std::size_t WithPlainerLaws(std::vector<Contestant>& ranked, std::size_t kept, std::size_t first) {
+  for (std::size_t i = 0; i < kept; ++i) {
+    const std::string& refines = ranked[i].effect().info().traits.refines;
+    const auto plainer = std::find_if(ranked.begin(), ranked.end(), [&](const Contestant& one) {
+      return one.effect().info().name == refines && one.place() == ranked[i].place();
+    });
+    if (refines.empty() || plainer == ranked.end()) continue;
+    const std::size_t level = ranked[i].Holds(first) ? first : first + 1;
+    if (plainer->Holds(level) && ranked[i].Holds(level) && plainer->share < ranked[i].share) {
+      const auto own = static_cast<std::ptrdiff_t>(plainer->hypothesis.of_effects());
+      VectorXd& q = plainer->levels[level].q;
+      q = StartFrom(plainer->hypothesis, ranked[i].hypothesis, ranked[i].levels[level].q);
+      const auto count = static_cast<std::ptrdiff_t>(plainer->effect().info().parameters.size());
+      for (std::ptrdiff_t k = own - count; k < own; ++k) {
+        const auto number = [](const estimation::Parameter& one) { return one.name.substr(one.name.rfind(' ') + 1); };
+        const estimation::Parameter& to = plainer->hypothesis.parameters()[static_cast<std::size_t>(k)];
+        const auto& others = ranked[i].hypothesis.parameters();
+        for (std::size_t n = 0; n < ranked[i].hypothesis.of_effects(); ++n) {
+          if (number(others[n]) == number(to))
+            q[k] = to.CoordinateOf(others[n].ValueAt(ranked[i].levels[level].q[static_cast<Index>(n)]));
+        }
+      }
+    }
+    if (plainer - ranked.begin() >= static_cast<std::ptrdiff_t>(kept)) {
+      std::rotate(ranked.begin() + static_cast<std::ptrdiff_t>(kept), plainer, plainer + 1);
+      ++kept;
+    }
+  }
+  return kept;
 }
 
 /// Once more from the values that another model has found, where that ends lower.
@@ -420,8 +493,9 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
     if (one->Holds(contest.first) || one->Holds(contest.first + 1)) ranked.push_back(*std::move(one));
   }
   std::ranges::stable_sort(ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
-  const std::size_t kept =
+  std::size_t kept =
       std::min(null.hypothesis.effects().empty() ? policy::kCarried : policy::kCarriedOnTop, ranked.size());
+  kept = WithPlainerLaws(ranked, kept, contest.first);
   Carry({ranked.data(), kept}, null, levels, contest.first, [&](double share) { progress(0.5 + 0.4 * share); });
   count("through the levels");
   contest.contestants.push_back(std::move(null));
