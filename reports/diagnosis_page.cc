@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "reports/html.h"
 
 namespace dynoproof::reports {
@@ -16,6 +18,29 @@ std::string Spans(const std::vector<std::pair<double, double>>& spans, const cha
   std::string text;
   for (const auto& [from, to] : spans) text += fmt::format("{}{:.4g} ... {:.4g}", text.empty() ? "" : ", ", from, to);
   return text.empty() ? none : text + " " + unit;
+}
+
+/// "inertia_change at inertia:I3, delta 0.100 (95 %: 0.099 ... 0.101)", of each cause; empty without one.
+std::string WithNumbers(const Diagnosis& d) {
+  std::string text;
+  for (const diagnosis::FoundEffect& effect : d.effects) {
+    text += fmt::format("{}{} at {}", text.empty() ? "" : "; ", effect.name, effect.at);
+    for (const diagnosis::FoundParameter& one : effect.parameters) {
+      text += fmt::format(", {} {}{}{} (95 %: {} ... {})", one.name, one.Text(one.value), one.unit == "1" ? "" : " ",
+                          one.unit == "1" ? "" : one.unit, one.Text(one.lower), one.Text(one.upper));
+    }
+  }
+  return text;
+}
+
+/// The cause in a few words: "inertia_change at inertia:I3", else the verdict.
+std::string Spoken(const Diagnosis& d) {
+  std::string text;
+  for (const diagnosis::FoundEffect& effect : d.effects)
+    text += fmt::format("{}{} at {}", text.empty() ? "" : " and ", effect.name, effect.at);
+  const std::string verdict = ToString(d.verdict);
+  if (d.verdict == diagnosis::Verdict::kEffectFound && !text.empty()) return text;
+  return text.empty() ? verdict : fmt::format("{}, {}", verdict, text);
 }
 
 std::string Causes(const Diagnosis& d) {
@@ -122,13 +147,19 @@ std::string Course(const diagnosis::Journal& journal) {
 
 std::string DiagnosisPage(const std::string& scenario, const std::vector<std::string>& records, const Diagnosis& d,
                           const std::vector<Picture>& pictures) {
-  const std::string verdict = ToString(d.verdict);
+  std::string title = "diagnosis of ";
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    title += (i > 0 ? ", " : "") + std::filesystem::path(records[i]).filename().string();
+  }
+  title += ": " + Spoken(d);
   const bool settled = d.verdict == diagnosis::Verdict::kEffectFound || d.verdict == diagnosis::Verdict::kNoEffect;
-  std::string body = fmt::format("<p><span class=\"verdict {}\">{}</span> {}</p>\n", settled ? "pass" : "inconclusive",
-                                 verdict, Escape(d.reason));
+  const std::string lead =
+      fmt::format("<span class=\"verdict {}\">{}</span> {}{}.", settled ? "pass" : "inconclusive", ToString(d.verdict),
+                  Escape(d.effects.empty() ? "" : WithNumbers(d) + ": "), Escape(d.reason));
+  std::string body;
   std::string files;
   for (const std::string& record : records) files += (files.empty() ? "" : ", ") + record;
-  body += fmt::format("<p class=\"source\">scenario {}, records {}; {} simulations</p>\n", Escape(scenario),
+  body += fmt::format("<p class=\"source\">scenario {}, records {}; {:.0f} simulations</p>\n", Escape(scenario),
                       Escape(files), d.simulations);
   for (const std::string& note : d.notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
   body += Causes(d);
@@ -150,7 +181,7 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
       Number(d.noise_floor));
   if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
   body += Considerations(d) + Course(d.journal);
-  return Page("dynoproof: diagnosis", "", body);
+  return Page(title, lead, BuildLine(), body);
 }
 
 }  // namespace dynoproof::reports

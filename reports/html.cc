@@ -161,9 +161,17 @@ std::string Figures(const std::string& id, const std::vector<Picture>& pictures,
 
 bool HasPlotLibrary() { return !assets::kUPlotJs.empty(); }
 
-std::string Page(const std::string& title, const std::string& provenance, const std::string& body) {
+std::string BuildLine() {
+  const trace::Provenance build = BuildProvenance();
+  return fmt::format("dynoproof {}, {}, {}", build.Text("version").value_or(""), build.Text("commit").value_or(""),
+                     build.Text("compiler").value_or(""));
+}
+
+std::string Page(const std::string& title, const std::string& lead, const std::string& provenance,
+                 const std::string& body) {
   const std::map<std::string, std::string, std::less<>> parts = {
       {"title", Escape(title)},
+      {"lead", lead},
       {"provenance", Escape(provenance)},
       {"body", body},
       {"style", std::string(assets::kUPlotCss) + std::string(assets::kPageCss)},

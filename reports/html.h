@@ -34,8 +34,13 @@ std::string Table(std::span<const Cell> header, const std::string& rows);
 /// thinned so that all of them have at most about `most_samples` together.
 std::string Figures(const std::string& id, const std::vector<Picture>& pictures, std::size_t most_samples);
 
-/// The whole page around `body`; texts are plain.
-std::string Page(const std::string& title, const std::string& provenance, const std::string& body);
+/// The program, its commit and compiler, as every page names them.
+std::string BuildLine();
+
+/// The whole page around `body`. `title` and `provenance` are plain texts; the title says what was asked of what, and the
+/// verdict. `lead` is HTML: the sentence below the title, which says the same with its reason.
+std::string Page(const std::string& title, const std::string& lead, const std::string& provenance,
+                 const std::string& body);
 
 /// Whether uPlot draws the pictures; else they are drawn plainly.
 bool HasPlotLibrary();

@@ -28,7 +28,7 @@ function paintUnder(ctx, chart, px, py) {
 function paintOver(ctx, chart, px, py, box, ratio) {
   ctx.lineWidth = ratio;
   ctx.font = `${11 * ratio}px system-ui, sans-serif`;
-  let labelled = -Infinity;
+  const labelled = [-Infinity, -Infinity];  // how far the labels of each line reach
   for (const mark of [...chart.picture.marks].sort((a, b) => a.at - b.at)) {
     const at = mark.horizontal ? py(mark.at) : px(mark.at);
     if (mark.horizontal ? at < box.top || at > box.top + box.height : at < box.left || at > box.left + box.width) continue;
@@ -45,10 +45,11 @@ function paintOver(ctx, chart, px, py, box, ratio) {
       ctx.moveTo(at, box.top);
       ctx.lineTo(at, box.top + box.height);
       const wide = ctx.measureText(mark.label).width + 6 * ratio, left = at + wide > box.left + box.width;
-      if (at - (left ? wide : 0) > labelled) {  // labels do not run into each other
+      const line = labelled.findIndex((end) => at - (left ? wide : 0) > end);
+      if (line >= 0) {  // labels do not run into each other
         ctx.textAlign = left ? 'right' : 'left';
-        ctx.fillText(mark.label, at + (left ? -3 : 3) * ratio, box.top + 11 * ratio);
-        labelled = left ? at : at + wide;
+        ctx.fillText(mark.label, at + (left ? -3 : 3) * ratio, box.top + (11 + 13 * line) * ratio);
+        labelled[line] = left ? at : at + wide;
       }
     }
     ctx.stroke();
@@ -188,6 +189,14 @@ class Chart {
     });
     this.at = this.list.appendChild(document.createElement('span'));
     this.at.className = 'at';
+    for (const [kind, made] of [['PNG', () => asPng(this)], ['CSV', () => new Blob([asCsv(this)], { type: 'text/csv' })]]) {
+      const save = this.list.appendChild(document.createElement('button'));
+      save.type = 'button';
+      save.className = 'save';
+      save.textContent = `save ${kind}`;
+      save.setAttribute('aria-label', `save ${kind} of ${this.host.getAttribute('aria-label')}`);
+      save.addEventListener('click', async () => keep(await made(), `${this.picture.key.replace(/[^\w.-]+/g, '_')}.${kind.toLowerCase()}`));
+    }
     this.host.after(this.list);
   }
   /** Values at the pointer, with their units; null where it has left. */
@@ -225,6 +234,48 @@ class Chart {
       if (this.width !== this.canvas.width) this.canvas.resize();
     }).observe(host);
   }
+}
+
+// --- Saving ----------------------------------------------------------------------------------------------------------
+function keep(blob, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+/** What is in sight: the picture with its title above and the names of its curves below. */
+function asPng(chart) {
+  const drawn = chart.host.querySelector('canvas'), ratio = drawn.width / drawn.clientWidth, line = 20 * ratio;
+  const sheet = document.createElement('canvas'), ctx = sheet.getContext('2d');
+  sheet.width = drawn.width;
+  sheet.height = drawn.height + 2 * line;
+  ctx.fillStyle = colour('card');
+  ctx.fillRect(0, 0, sheet.width, sheet.height);
+  ctx.drawImage(drawn, 0, line);
+  const write = (text, x, y, ink) => {
+    ctx.fillStyle = colour(ink);
+    ctx.fillText(text, x, y);
+    return x + ctx.measureText(text).width + 12 * ratio;
+  };
+  ctx.font = `600 ${13 * ratio}px system-ui, sans-serif`;
+  write(chart.host.getAttribute('aria-label'), 8 * ratio, 15 * ratio, 'text');
+  ctx.font = `${12 * ratio}px system-ui, sans-serif`;
+  let x = 8 * ratio;
+  chart.curves.forEach((curve, k) => {
+    if (curve.shown) x = write(`— ${curve.label}`, x, sheet.height - 6 * ratio, 'c' + k % 8);
+  });
+  return new Promise((done) => sheet.toBlob(done, 'image/png'));
+}
+/** All samples of the page: two columns for each curve, as each may have times of its own. */
+function asCsv(chart) {
+  const { picture, curves } = chart, cell = (text) => `"${text.replace(/"/g, '""')}"`;
+  const head = curves.flatMap((curve) => [cell(withUnit(picture.x.label, picture.x.unit)), cell(withUnit(curve.label, picture.y.unit))]);
+  const rows = [head];
+  const number = (values, i) => i < values.length && Number.isFinite(values[i]) ? String(values[i]) : '';
+  for (let i = 0; i < Math.max(...curves.map((curve) => curve.x.length)); ++i)
+    rows.push(curves.flatMap((curve) => [number(curve.x, i), number(curve.y, i)]));
+  return rows.map((row) => row.join(',')).join('\r\n') + '\r\n';
 }
 
 const HEIGHT = 270;
@@ -428,6 +479,17 @@ document.getElementById('theme').addEventListener('click', () => {
   redrawAll();
 });
 dark.addEventListener('change', redrawAll);
+
+// Of many scenarios those that are looked for: by words of their name, title or worst check, and by verdict.
+const filter = document.getElementById('filter');
+filter?.addEventListener('input', () => {
+  const words = filter.querySelector('input').value.toLowerCase().split(/\s+/), verdict = filter.querySelector('select').value;
+  for (const row of document.querySelectorAll('#overview tbody tr')) {
+    const part = document.getElementById(decodeURIComponent(row.querySelector('a').hash.slice(1)));
+    const text = (row.textContent + part.querySelector('summary').textContent).toLowerCase();
+    row.hidden = part.hidden = (verdict && part.dataset.verdict !== verdict) || !words.every((word) => text.includes(word));
+  }
+});
 
 // On paper: light, and every picture of what is open.
 let before;

@@ -3,37 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "experiment/pictures.h"
 #include "experiment/settings.h"
 #include "reports/html.h"
 #include "reports/run_report.h"
+#include "reports/score_card.h"
 
 namespace dynoproof::reports {
 namespace {
 
 using score::Check;
 using score::Verdict;
-
-std::string Number(double value, const std::string& unit) {
-  if (!std::isfinite(value)) return "–";
-  return Escape(fmt::format("{:.4g}{}", value, unit == "1" || unit.empty() ? "" : " " + unit));
-}
-
-std::string LimitOf(const Check& check) {
-  return (check.at_least ? "at least " : "") + Number(check.limit, check.unit);
-}
-
-/// The value of a check: a number in one line, or the sentence that a person reads, which may take several.
-Cell ValueOf(const Check& check) {
-  if (check.shown.empty()) return {Number(check.value, check.unit), "number"};
-  return {Escape(check.shown), "wide"};
-}
-
-std::string Badge(Verdict verdict) {
-  return fmt::format("<span class=\"verdict {0}\">{0}</span>", score::ToString(verdict));
-}
 
 std::string Overview(const std::vector<const ScenarioResult*>& results) {
   std::string rows;
@@ -48,8 +29,8 @@ std::string Overview(const std::vector<const ScenarioResult*>& results) {
                                   {fmt::format("{}", result->checks.size()), "number"},
                                   {fmt::format("{}", failed), "number"},
                                   {last, "wide"},
-                                  worst != nullptr ? ValueOf(*worst) : Cell{""},
-                                  {worst != nullptr ? LimitOf(*worst) : "", "number"}});
+                                  worst != nullptr ? ValueCell(*worst) : Cell{""},
+                                  {worst != nullptr ? LimitText(*worst) : "", "number"}});
   }
   return Table(std::vector<Cell>{{"scenario"},
                                  {"verdict"},
@@ -61,39 +42,61 @@ std::string Overview(const std::vector<const ScenarioResult*>& results) {
                rows);
 }
 
-std::string ScoreCard(const ScenarioResult& result) {
-  if (result.checks.empty()) return "<p>No check was made.</p>\n";
-  std::vector<const Check*> checks;
-  for (const Check& check : result.checks) checks.push_back(&check);
-  std::stable_sort(checks.begin(), checks.end(), [](const Check* a, const Check* b) {
-    return a->verdict != b->verdict && score::Worse(a->verdict, b->verdict) == a->verdict;
-  });
-  std::string rows, last;  // one reason often serves many checks in a row
-  for (const Check* check : checks) {
-    const std::string origin = check->origin == last ? "as above" : check->origin;
-    last = check->origin;
-    rows += Row(std::vector<Cell>{{Escape(check->name)},
-                                  {Escape(check->kind)},
-                                  {Badge(check->verdict)},
-                                  ValueOf(*check),
-                                  {LimitOf(*check), "number"},
-                                  {Escape(origin), "wide"},
-                                  {Escape(check->explanation), "wide"}});
+/// What is shown of the overview and of the parts below: by a text, and by verdict.
+std::string Filter(const std::map<std::string, int>& counts) {
+  std::string options = "<option value=\"\">all</option>";
+  for (const auto& [verdict, count] : counts)
+    options += fmt::format("<option value=\"{0}\">{0} ({1})</option>", verdict, count);
+  return fmt::format(
+      "<p id=\"filter\"><label>find <input type=\"search\"></label> <label>verdict <select>{}</select></label></p>\n",
+      options);
+}
+
+std::size_t NotPassed(const std::vector<const ScenarioResult*>& results) {
+  return static_cast<std::size_t>(std::count_if(
+      results.begin(), results.end(), [](const ScenarioResult* one) { return one->verdict != Verdict::kPass; }));
+}
+
+std::string TitleOf(const std::vector<const ScenarioResult*>& sorted) {
+  if (sorted.size() == 1) {
+    const Check* const worst = WorstCheck(*sorted.front());
+    const std::string text = fmt::format("{}: {}", sorted.front()->id, score::ToString(sorted.front()->verdict));
+    return worst == nullptr || worst->cause.empty() ? text : text + ", " + worst->cause;
   }
-  return Table(std::vector<Cell>{{"check"},
-                                 {"kind"},
-                                 {"verdict"},
-                                 {"value", "number"},
-                                 {"limit", "number"},
-                                 {"why this limit"},
-                                 {"what was seen"}},
-               rows);
+  const std::size_t bad = NotPassed(sorted);
+  if (bad == 0) return fmt::format("{} scenarios: all pass", sorted.size());
+  return fmt::format("{} of {} scenarios do not pass", bad, sorted.size());
+}
+
+/// The verdict with its reason; of many scenarios that of the worst.
+std::string LeadOf(const std::vector<const ScenarioResult*>& sorted) {
+  if (sorted.empty()) return "No scenario was run.";
+  const ScenarioResult& worst = *sorted.front();
+  std::string text = Badge(worst.verdict) + " ";
+  if (sorted.size() > 1) text += fmt::format("<a href=\"#{}\">{}</a>: ", Anchor(worst.id), Escape(worst.id));
+  const Check* const check = WorstCheck(worst);
+  if (!worst.broken.empty() || check == nullptr) {
+    return text + (worst.broken.empty() ? "no check was made" : "the run broke: " + Escape(worst.broken)) + ".";
+  }
+  const std::string value = check->shown.empty()
+                                ? fmt::format("{} ({})", ValueText(check->value, check->unit), LimitText(*check))
+                                : Escape(check->shown);
+  if (check->verdict == Verdict::kPass) {
+    const std::string all =
+        worst.checks.size() == 1 ? "The one check holds" : fmt::format("All {} checks hold", worst.checks.size());
+    return text + fmt::format("{}. The closest to its limit is {}: {}.", all, Escape(check->name), value);
+  }
+  const auto failed = std::count_if(worst.checks.begin(), worst.checks.end(),
+                                    [](const Check& one) { return one.verdict != Verdict::kPass; });
+  return text + fmt::format("{}: {}. {}. {} of {} checks {}.", Escape(check->name), value,
+                            check->cause.empty() ? Escape(check->explanation) : "Likely cause: " + Escape(check->cause),
+                            failed, worst.checks.size(), failed == 1 ? "does not pass" : "do not pass");
 }
 
 std::string FiguresOf(const ScenarioResult& result) {
   std::string rows;
   for (const auto& [name, figure] : result.figures) {
-    rows += Row(std::vector<Cell>{{Escape(name), "key"}, {Number(figure.value, figure.unit), "number"}});
+    rows += Row(std::vector<Cell>{{Escape(name), "key"}, {ValueText(figure.value, figure.unit), "number"}});
   }
   return Table(std::vector<Cell>{{"figure"}, {"value", "number"}}, rows);
 }
@@ -161,24 +164,27 @@ std::string RunPage::Finish(const std::vector<ScenarioResult>& results) const {
   }
   std::string sums;
   for (const auto& [verdict, count] : counts) sums += fmt::format(", {} {}", count, verdict);
-  std::string body = fmt::format("<section id=\"overview\"><h2>{} scenario{}, {} checks{}</h2>\n", results.size(),
-                                 results.size() == 1 ? "" : "s", checks, sums) +
-                     Overview(sorted) + "</section>\n";
+  std::string body;
+  if (results.size() != 1) {
+    body = fmt::format("<section id=\"overview\"><h2>{} scenarios, {} checks{}</h2>\n", results.size(), checks, sums) +
+           Filter(counts) + Overview(sorted) + "</section>\n";
+  }
   std::size_t open = 0;  // a few parts are shown at once, the worst first
   for (const ScenarioResult* result : sorted) {
     const auto found = parts_.find(result->id);
     const bool bad = result->verdict != Verdict::kPass;
-    body += fmt::format("<details class=\"part\" id=\"{}\"{}><summary><h2>{}</h2> {} {}</summary>\n",
-                        Anchor(result->id), (bad || results.size() <= 3) && open++ < 5 ? " open" : "",
-                        Escape(result->id), Badge(result->verdict), Escape(result->title));
+    body += fmt::format(
+        "<details class=\"part\" data-verdict=\"{}\" id=\"{}\"{}><summary><h2>{}</h2> {} {}</summary>\n",
+        score::ToString(result->verdict), Anchor(result->id), (bad || results.size() <= 3) && open++ < 5 ? " open" : "",
+        Escape(result->id), Badge(result->verdict), Escape(result->title));
     if (found != parts_.end() && !found->second.source.empty())
       body += fmt::format("<p class=\"source\">{}</p>\n", Escape(found->second.source));
     if (!result->broken.empty())
       body += fmt::format("<p class=\"broken\">The run broke: {}</p>\n", Escape(result->broken));
     for (const std::string& note : result->notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
-    if (bad) body += "<h3>Score card</h3>\n" + ScoreCard(*result);
+    if (bad) body += "<h3>Score card</h3>\n" + ScoreCard(result->checks);
     if (found != parts_.end()) body += "<h3>Pictures</h3>\n" + found->second.pictures;
-    if (!bad) body += "<h3>Score card</h3>\n" + ScoreCard(*result);
+    if (!bad) body += "<h3>Score card</h3>\n" + ScoreCard(result->checks);
     if (!result->figures.empty()) body += More("Figures", FiguresOf(*result));
     if (found != parts_.end()) {
       body += More("Settings: given, and what was taken where nothing was given", found->second.settings);
@@ -186,11 +192,7 @@ std::string RunPage::Finish(const std::vector<ScenarioResult>& results) const {
     }
     body += "</details>\n";
   }
-  const trace::Provenance build = BuildProvenance();
-  return Page("dynoproof run",
-              fmt::format("dynoproof {}, {}, {}", build.Text("version").value_or(""), build.Text("commit").value_or(""),
-                          build.Text("compiler").value_or("")),
-              body);
+  return Page(TitleOf(sorted), LeadOf(sorted), BuildLine(), body);
 }
 
 }  // namespace dynoproof::reports

@@ -106,7 +106,11 @@ std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>&
         return 3;
     }
   };
-  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) { return badness(a) < badness(b); });
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const auto* a, const auto* b) {
+    if (badness(a) != badness(b)) return badness(a) < badness(b);
+    const Check *const of_a = WorstCheck(*a), *const of_b = WorstCheck(*b);
+    return of_a != nullptr && of_b != nullptr && Share(*of_a) > Share(*of_b);
+  });
   return sorted;
 }
 
@@ -135,6 +139,7 @@ nlohmann::json ToJson(const std::vector<ScenarioResult>& results) {
                                     {"explanation", check.explanation}});
       // The key is absent where value, limit and unit say all that the card shows.
       if (!check.shown.empty()) scenario["checks"].back()["shown"] = check.shown;
+      if (!check.cause.empty()) scenario["checks"].back()["cause"] = check.cause;
     }
     for (const auto& [name, figure] : result.figures) {
       scenario["figures"][name] = {{"value", Number(figure.value)}, {"unit", figure.unit}};
@@ -258,18 +263,24 @@ std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<s
   std::string text;
   for (const ScenarioResult& result : results) {
     const std::string& command = again.at(result.id);
+    if (result.verdict == Verdict::kPass) continue;
     if (!result.broken.empty()) {
-      text += fmt::format("\n{} {}\n  what   the run broke: {}\n  again  {}\n", Paint("1;31", "BROKEN", colour),
-                          result.id, result.broken, command);
+      text += fmt::format("\n{} {}\n  what   the run broke: {}\n", Paint("1;31", "BROKEN", colour), result.id,
+                          result.broken);
+    } else if (result.checks.empty()) {
+      text += fmt::format("\n{} {}: no check was made\n", Paint("1;31", "FAILED", colour), result.id);
     }
+    std::string last;  // one reason often serves many checks in a row
     for (const Check& check : result.checks) {
       if (check.verdict == Verdict::kPass) continue;
       text += fmt::format(
-          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n  again  {}\n",
+          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n",
           Paint(Colour(check.verdict), check.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED", colour),
-          result.id, check.name, Limit(check), check.explanation, check.origin, command);
-      for (const std::string& note : result.notes) text += fmt::format("  note   {}\n", note);
+          result.id, check.name, Limit(check), check.explanation, check.origin == last ? "as above" : check.origin);
+      last = check.origin;
     }
+    text += fmt::format("\n  again  {}\n", command);  // once for all cards of a scenario, as its notes
+    for (const std::string& note : result.notes) text += fmt::format("  note   {}\n", note);
   }
   return text;
 }

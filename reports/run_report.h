@@ -29,7 +29,8 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour);
 std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<std::string, std::string>& again,
                     bool colour);
 
-/// Results with the worst first: broken, fail, inconclusive, pass; else in their order.
+/// Results with the worst first: broken, fail, inconclusive, pass; of these what takes most of a limit; else in their
+/// order.
 std::vector<const ScenarioResult*> WorstFirst(const std::vector<ScenarioResult>& results);
 
 /// The check that says most about a scenario: the worst verdict, then the largest share of its limit.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -80,9 +81,13 @@ Picture Course(const History& history, const Watch& watch, std::size_t index) {
 }  // namespace
 
 std::string TrendPage(const History& history, const Watch& watch) {
-  std::string body = fmt::format(
-      "<p>{} nights, {} series: {} could be compared, {} are too short yet.</p>\n<h2>Changes</h2>\n{}",
-      history.nights.size(), history.series.size(), watch.compared, watch.too_short, FindingsTable(history, watch));
+  const auto bad = std::count_if(watch.findings.begin(), watch.findings.end(), [](const Finding& one) {
+    return one.recent && (one.kind == Finding::Kind::kWorse || one.kind == Finding::Kind::kMissing);
+  });
+  const std::string lead = fmt::format(
+      "{} nights, {} series: {} became worse or went missing of late; {} could be compared, {} are too short yet.",
+      history.nights.size(), history.series.size(), bad, watch.compared, watch.too_short);
+  std::string body = "<h2>Changes</h2>\n" + FindingsTable(history, watch);
   for (const auto& [prefix, title] : kGroups) {
     std::map<std::string, std::vector<std::size_t>> parts;  // by scenario
     for (std::size_t s = 0; s < history.series.size(); ++s) {
@@ -106,7 +111,9 @@ std::string TrendPage(const History& history, const Watch& watch) {
     }
   }
   const std::string machine = history.nights.empty() ? "" : history.nights.back().machine;
-  return Page("dynoproof: nightly record", "machine class: " + machine, body);
+  return Page(
+      bad == 0 ? "nightly record: nothing became worse" : fmt::format("nightly record: {} series became worse", bad),
+      lead, "machine class: " + machine, body);
 }
 
 }  // namespace dynoproof::reports

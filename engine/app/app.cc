@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -77,7 +78,16 @@ std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagno
 }
 
 void ShowProgress(const std::string& what, double fraction) {
-  if (!IsTerminal(STDERR_FILENO)) return;
+  if (!IsTerminal(STDERR_FILENO)) {
+    // A log takes a line now and then, and none of what is over soon. The callers call one at a time.
+    constexpr std::chrono::seconds kBetween(10);
+    static auto last = std::chrono::steady_clock::now();
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last < kBetween) return;
+    last = now;
+    fmt::print(stderr, "{:.0f} %  {}\n", 100.0 * fraction, what);
+    return;
+  }
   fmt::print(stderr, "\r\033[K{:>3.0f} %  {}", 100.0 * fraction, what);
   std::fflush(stderr);
 }

@@ -39,7 +39,8 @@ bool IsTerminal(int descriptor);
 /// Built-in plugins and those of --plugin and DYNOPROOF_PLUGIN_PATH; faults become diagnostics.
 std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics);
 
-/// A progress line on stderr that is redrawn in place; silent when stderr is no terminal. `fraction` 0 ... 1.
+/// A progress line on stderr that is redrawn in place; where stderr is no terminal, a line of its own every ten seconds.
+/// `fraction` 0 ... 1.
 void ShowProgress(const std::string& what, double fraction);
 void ClearProgress();
 

@@ -6,6 +6,7 @@
 #include "app/app.h"
 #include "experiment/budget.h"
 #include "experiment/prepare.h"
+#include "reports/bench_page.h"
 #include "reports/run_report.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -16,6 +17,7 @@ namespace {
 struct BenchArguments {
   Common common;
   std::vector<std::string> names, overrides;
+  std::string html;
   BenchOptions options;
 };
 
@@ -51,6 +53,8 @@ int Bench(const BenchArguments& arguments) {
     }
   }
   if (Report(diagnostics) != kGood) return kUsage;
+  if (!CanWrite({arguments.html, arguments.common.json})) return kBroken;
+  std::vector<reports::Timed> timed;
   nlohmann::json document = {{"scenarios", nlohmann::json::array()}};
   int exit = subjects.empty() ? kUndecided : kGood;
   for (const Subject& subject : subjects) {
@@ -108,8 +112,13 @@ int Bench(const BenchArguments& arguments) {
     }
     for (const std::string& note : timing->notes) Note(note + "\n");
     document["scenarios"].push_back(std::move(one));
+    if (!arguments.html.empty()) {
+      timed.push_back({subject.prepared->plan.id, 1e-3 * static_cast<double>(subject.prepared->rig->period), *timing,
+                       subject.budget.value_or(Budget{}), checks});
+    }
   }
   if (subjects.empty()) Complain("no scenario states a [budget]: nothing was compared\n");
+  if (!arguments.html.empty()) exit = reports::WorseExit(exit, WriteHtml(arguments.html, reports::BenchPage(timed)));
   KeepJson(std::move(document));
   return exit;
 }
@@ -124,9 +133,10 @@ void AddBench(CLI::App& program, int& exit) {
       ->allow_extra_args(false);
   command->add_flag("--paced", arguments->options.paced, "one period every period of real time; overruns are counted");
   command->add_flag("--realtime-priority", arguments->options.realtime_priority, "ask for SCHED_FIFO");
+  command->add_option("--html", arguments->html, "write a page: verdict, limits, and how many periods took longer");
   AddCommon(*command, arguments->common);
   AddExamples(*command,
-              "  dynoproof bench suppression/adaptive\n"
+              "  dynoproof bench suppression/adaptive --html out/bench.html\n"
               "  dynoproof bench suppression/adaptive --paced --realtime-priority --json -");
   command->callback([arguments, &exit] { exit = Bench(*arguments); });
 }

@@ -49,6 +49,18 @@ std::string Again(const RunArguments& arguments, const std::string& file) {
   return text;
 }
 
+/// Where the traces and the page are.
+std::string WhatIsLeft(const std::vector<ScenarioResult>& results, const RunArguments& arguments) {
+  std::vector<std::string> traces;
+  for (const ScenarioResult& result : results) {
+    if (!result.trace_file.empty()) traces.push_back(result.trace_file);
+  }
+  std::string text = "\n";
+  if (traces.size() == 1) text += "trace: " + traces.front() + "\n";
+  if (traces.size() > 1) text += fmt::format("traces: {} in {}/, as ID.h5\n", traces.size(), arguments.out);
+  return text + "page: " + (arguments.html.empty() ? "none, --html FILE writes one" : arguments.html) + "\n";
+}
+
 /// For Ctrl-C: the table of what is done, the names of what is not. The document for --json has what is done.
 std::string WhatIsDone(const std::vector<std::unique_ptr<Prepared>>& scenarios,
                        const std::vector<std::optional<ScenarioResult>>& results, const RunArguments& arguments) {
@@ -85,7 +97,7 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
     options.progress = [&, i](double fraction) {
       const std::lock_guard<std::mutex> lock(screen);
       ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
-                   fraction);
+                   (static_cast<double>(done.load()) + fraction) / static_cast<double>(scenarios.size()));
       return true;
     };
     if (!arguments.html.empty()) {
@@ -184,6 +196,7 @@ int Run(const RunArguments& arguments) {
   const std::optional<estimation::Horizon> horizon =
       results.empty() ? std::nullopt : HorizonOf(results, *scenarios.front(), data);
   if (horizon) Print(arguments.common, horizon->ToText());
+  Print(arguments.common, WhatIsLeft(results, arguments));
   for (const ScenarioResult& result : results) {
     for (const std::string& note : result.notes) Note(fmt::format("{}: {}\n", result.id, note));
   }

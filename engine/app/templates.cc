@@ -44,10 +44,12 @@ source = { type = "chirp", amplitude = 100.0, start_Hz = 0.0, end_Hz = 400.0, ra
 
 [output.T_shaft]
 of = "plant.k2.torque"
+unit = "N m"
 nominal = 100.0
 
 [output.omega_1]
 of = "plant.I1.speed"
+unit = "rad/s"
 nominal = 1.0
 
 [analysis]

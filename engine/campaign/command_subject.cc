@@ -16,7 +16,7 @@ class CommandSubject : public Subject {
   CommandSubject(std::vector<std::string> command, std::vector<std::pair<std::string, FigureSpec>> figures,
                  const Axes& axes, std::string folder)
       : command_(std::move(command)), specs_(std::move(figures)), axes_(axes), folder_(std::move(folder)) {
-    for (const auto& [name, spec] : specs_) figures_.push_back({name, "1"});
+    for (const auto& [name, spec] : specs_) figures_.push_back({name, "1", spec.at_least, spec.at_most});
   }
 
   const std::vector<FigureInfo>& figures() const override { return figures_; }

@@ -119,7 +119,7 @@ class ScenarioSubject : public Subject {
             place != nullptr ? place->where() : SourceSpan{}, fmt::format("the scenario has no signal \"{}\"", spec.of),
             near ? fmt::format("did you mean \"{}\"?", *near) : fmt::format("it has {}", fmt::join(names, ", ")));
       }
-      figures_.push_back({name, UnitOf(spec, unit)});
+      figures_.push_back({name, UnitOf(spec, unit), spec.at_least, spec.at_most});
     }
     ChooseBatches(*prepared->rig);
   }

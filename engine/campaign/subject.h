@@ -34,6 +34,8 @@ struct Row {
 
 struct FigureInfo {
   std::string name, unit;
+  /// What a run may have; not finite: no limit.
+  double at_least = -std::numeric_limits<double>::infinity(), at_most = std::numeric_limits<double>::infinity();
 };
 
 /// Runs, in the order of their numbers.

@@ -132,7 +132,7 @@ score::Check CompareNrmse(const CheckContext& context, const std::string& signal
   const int output = FindOutput(context.rig(), signal);
   const std::string unit = output >= 0 ? context.rig().outputs[output].unit : "";
   const double allowed = limit * score::StandardDeviation(reference.values);
-  if (check.verdict != score::Verdict::kPass) check.explanation = Why(reference, test, allowed, unit);
+  if (check.verdict != score::Verdict::kPass) Why(reference, test, allowed, unit).To(check);
   check.evidence =
       score::BandEvidence({signal, unit, who.first, who.second}, score::Evidence::Rule::kRms, reference, test, allowed);
   return check;

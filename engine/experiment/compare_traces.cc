@@ -264,8 +264,8 @@ class SignalComparison {
     const score::Series had{result.time_s, result.test, reference.interpolation};
     const double threshold = options.relative_width * options.nominal;
     check.shown = WorstInItsUnit(result, everywhere, threshold, signal_.unit);
-    check.explanation = Why(wanted, all != nullptr ? *all : had, threshold, signal_.unit, result.first->time_s) +
-                        fmt::format("; allowed: {:.3g}{}{}", threshold, signal_.unit.empty() ? "" : " ", signal_.unit);
+    Why(wanted, all != nullptr ? *all : had, threshold, signal_.unit, result.first->time_s).To(check);
+    check.explanation += fmt::format("; allowed: {:.3g}{}{}", threshold, signal_.unit.empty() ? "" : " ", signal_.unit);
     if (options.time_half_width_s > 0.0) check.explanation += fmt::format(", {:.3g} s", options.time_half_width_s);
     return check;
   }

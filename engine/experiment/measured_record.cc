@@ -158,7 +158,7 @@ std::vector<score::Check> CompareWithRecord(const Rig& rig, const Samples& sampl
     if (score::FaultOf(measured, "record").empty()) {
       const std::string& unit = rig.outputs[FindOutput(rig, name)].unit;
       const double allowed = options.limit * score::StandardDeviation(*series.values);
-      if (check.verdict != score::Verdict::kPass) check.explanation = Why(measured, simulated, allowed, unit);
+      if (check.verdict != score::Verdict::kPass) Why(measured, simulated, allowed, unit).To(check);
       check.evidence =
           score::BandEvidence({name, unit, "record", "run"}, score::Evidence::Rule::kRms, measured, simulated, allowed);
     }

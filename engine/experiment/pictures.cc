@@ -75,16 +75,17 @@ Curve Envelope(std::string label, std::span<const double> time, const std::vecto
 /// difference.
 std::vector<Picture> CloseUp(const std::string& title, const score::Evidence& judged) {
   const std::vector<double>& time = judged.time_s;
-  const double first_s = time[*judged.first], span = time.back() - time.front();
+  const double first_s = time[*judged.first], worst_s = time[judged.worst], span = time.back() - time.front();
   Picture both{.key = "close_up:" + judged.signal,
                .title = title,
-               .note = "zoomed to the place where the two part; 0 shows the whole run",
+               .note = "zoomed to the worst place; 0 shows the whole run",
                .x = {"time", "s"},
                .y = {judged.signal, judged.unit}};
   both.course = true;
-  both.x.from = std::max(time.front(), first_s - 0.01 * span);
-  both.x.to = std::min(time.back(), first_s + 0.02 * span);
+  both.x.from = std::max(time.front(), worst_s - 0.03 * span);
+  both.x.to = std::min(time.back(), worst_s + 0.03 * span);
   both.marks.push_back({first_s, "first apart"});
+  if (worst_s != first_s) both.marks.push_back({worst_s, "worst"});
   Picture residual = both;
   residual.key = "residual:" + judged.signal;
   residual.title = fmt::format("{}: {} minus {}", judged.signal, judged.test_name, judged.reference_name);
@@ -107,9 +108,11 @@ std::vector<Picture> CloseUp(const std::string& title, const score::Evidence& ju
 /// What there is to say over the close-up of a failed comparison.
 std::string Parting(const score::Check& check) {
   const score::Evidence& judged = *check.evidence;
-  if (IsOfGolden(check)) return judged.signal + " leaves the tube around the golden trace";
-  return fmt::format("{}: run and {} part", judged.signal,
-                     judged.test_name == "run" ? judged.reference_name : judged.test_name);
+  const std::string text = IsOfGolden(check)
+                               ? judged.signal + " leaves the tube around the golden trace"
+                               : fmt::format("{}: run and {} part", judged.signal,
+                                             judged.test_name == "run" ? judged.reference_name : judged.test_name);
+  return check.cause.empty() ? text : text + ": " + check.cause;
 }
 
 }  // namespace
@@ -217,7 +220,10 @@ void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPic
     // Hull curves, which the golden trace holds besides, follow from the signal they belong to.
     if (check.evidence == nullptr || FindOutput(rig, check.evidence->signal) < 0) continue;
     const score::Evidence& judged = *check.evidence;
-    distances.curves.push_back(Envelope(check.stated + " " + judged.signal, judged.time_s, judged.distance));
+    Curve distance = Envelope(check.stated + " " + judged.signal, judged.time_s, judged.distance);
+    // A run that is its golden trace to the last bit has nothing to draw.
+    if (std::any_of(distance.y.begin(), distance.y.end(), [](double y) { return std::isfinite(y); }))
+      distances.curves.push_back(std::move(distance));
     if (check.verdict == score::Verdict::kPass || !judged.first) continue;
     for (Picture& picture : CloseUp(Parting(check), judged)) close_ups.push_back(std::move(picture));
   }

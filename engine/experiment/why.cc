@@ -9,10 +9,10 @@
 
 namespace dynoproof {
 
-std::string Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit,
-                double from_s) {
+Reason Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit,
+           double from_s) {
   const score::Aligned aligned = score::AlignTo(reference, test);
-  if (!aligned.ok()) return aligned.reason;
+  if (!aligned.ok()) return {aligned.reason, ""};
   std::size_t first = aligned.test.size(), worst = 0;
   for (std::size_t i = 0; i < aligned.test.size(); ++i) {
     const double error = std::abs(aligned.test[i] - reference.values[i]);
@@ -27,8 +27,10 @@ std::string Why(const score::Series& reference, const score::Series& test, doubl
   score::ExplainOptions options;
   options.unit = unit;
   const score::Explanation cause = score::Explain(reference, test, options);
-  if (cause.ok()) text += "; likely cause: " + cause.text;
-  return text;
+  if (!cause.ok()) return {text, ""};
+  // How much it explains, and what else would, stands in the text.
+  const std::string named = cause.text.substr(0, cause.text.find(" (explains"));
+  return {text + "; likely cause: " + cause.text, cause.cause == score::Cause::kNone ? "" : named};
 }
 
 }  // namespace dynoproof

@@ -43,6 +43,7 @@ struct Check {
   std::string stated = {};  // the kind of the [[check]] that made it, "golden"; empty: made without one
   std::string shown = {};   // the value as a person reads it, in the signal's unit; empty: value and limit say it
   std::shared_ptr<const Evidence> evidence = {};  // what was compared; null where no two courses were
+  std::string cause = {};  // "resonance moved from 97.4 to 96.9 Hz"; empty where none was found or looked for
 };
 
 /// The verdict over all checks: the worst wins; no check at all is a failure, because nothing was compared.

@@ -2,11 +2,14 @@
 // Needs Debian's chromium (support/browser.h says what its absence means).
 #include "tests/support/browser.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
+#include <sstream>
 
 #include "tests/support/program.h"
 
@@ -96,6 +99,28 @@ TEST_F(InTheBrowser, EveryLinkLeadsSomewhereAndOpensIt) {
   EXPECT_EQ(browser_->Ask("document.getElementById(decodeURIComponent(document.links[1].hash.slice(1))).open"), true);
 }
 
+TEST_F(InTheBrowser, ShowsOfManyScenariosThoseThatAreLookedFor) {
+  const std::string shown =
+      "[...document.querySelectorAll('details.part')].filter((part) => !part.hidden).map((part) => part.id).join(' ')";
+  const std::string all = browser_->Ask(shown);
+  const auto with = [&](const char* text, const char* verdict) {
+    browser_->Ask(
+        fmt::format("(() => {{ const f = document.getElementById('filter');"
+                    "f.querySelector('input').value = '{}'; f.querySelector('select').value = '{}';"
+                    "f.dispatchEvent(new Event('input')); }})()",
+                    text, verdict));
+    EXPECT_EQ(browser_->Ask("document.querySelectorAll('#overview tbody tr:not([hidden])').length"),
+              browser_->Ask("document.querySelectorAll('details.part:not([hidden])').length"));
+    return browser_->Ask(shown).get<std::string>();
+  };
+  EXPECT_EQ(with("SOFT r2r", ""), "r2r.2fsoft_rotor_setup_1");
+  EXPECT_EQ(with("no such words", ""), "");
+  EXPECT_EQ(with("", "fail"), all) << "without checks none passes";
+  browser_->Ask("document.querySelector('details.part').dataset.verdict = 'pass'");
+  EXPECT_EQ(all.find(with("", "fail")), all.find(' ') + 1) << "all but the first";
+  EXPECT_EQ(with("", ""), all);
+}
+
 TEST_F(InTheBrowser, ZoomsByDraggingWheelAndKeysAndCoursesFollowEachOther) {
   browser_->Ask(kColouredPixels);
   const std::vector<double> whole = Range(), over = Over();
@@ -135,6 +160,44 @@ TEST_F(InTheBrowser, ShowsValuesWithUnitsAtThePointer) {
   const std::string legend = browser_->Ask("document.querySelector('.plot').nextElementSibling.textContent");
   EXPECT_THAT(legend, HasSubstr(" N m"));
   EXPECT_THAT(legend, HasSubstr(" s"));
+}
+
+TEST_F(InTheBrowser, SavesAPictureAndItsData) {
+  browser_->Ask(kColouredPixels);
+  const std::vector<std::string> names = browser_->Ask(R"((async () => {
+    const names = [], click = HTMLAnchorElement.prototype.click;
+    HTMLAnchorElement.prototype.click = function () { names.push(this.download); };
+    for (const button of charts[0].list.querySelectorAll('.save')) button.click();
+    await new Promise((done) => setTimeout(done, 300));
+    HTMLAnchorElement.prototype.click = click;
+    return names.sort();
+  })())");
+  ASSERT_EQ(names.size(), 2u);
+  EXPECT_THAT(names[0], ::testing::EndsWith(".csv"));
+  EXPECT_THAT(names[1], ::testing::EndsWith(".png"));
+  const std::string csv = browser_->Ask("asCsv(charts[0])");
+  std::istringstream lines(csv);
+  std::string head, first;
+  std::getline(lines, head);
+  std::getline(lines, first);
+  EXPECT_THAT(head, StartsWith("\"time [s]\",\""));
+  EXPECT_EQ(std::count(head.begin(), head.end(), ','), std::count(first.begin(), first.end(), ','));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + browser_->Ask("charts[0].curves[0].x.length").get<int>());
+  // As large as what is drawn, with the curve's colour in it.
+  const std::vector<int> seen = browser_->Ask(R"((async () => {
+    const image = await createImageBitmap(await asPng(charts[0])), drawn = charts[0].host.querySelector('canvas');
+    const ctx = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    ctx.drawImage(image, 0, 0);
+    const { data } = ctx.getImageData(0, 0, image.width, image.height), [r, g, b] = curveColour(0).match(/\d+/g).map(Number);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4)
+      if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 30) ++count;
+    return [image.width - drawn.width, image.height - drawn.height, count];
+  })())");
+  EXPECT_EQ(seen[0], 0);
+  EXPECT_EQ(seen[1], 40);
+  EXPECT_GT(seen[2], 50);
+  EXPECT_THAT(browser_->complaints, IsEmpty());
 }
 
 TEST_F(InTheBrowser, IsReachedByTheKeyboardAndShowsWhereItIs) {

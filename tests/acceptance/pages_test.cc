@@ -19,6 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 /// Opens all parts, draws each picture as it is at first and then with each of its curves alone. Answers the faults:
 /// pictures without a curve's colour at first, and curves that leave less than three pixels more of their colour than
@@ -106,10 +107,14 @@ class Pages : public ::testing::Test {
     ASSERT_EQ(outcome.exit, exit) << ::testing::PrintToString(arguments) << outcome.Both();
   }
 
-  /// The page, in both themes; at least this many pictures.
-  void Look(const std::string& page, int pictures) {
+  /// The page, in both themes; at least this many pictures. Its title says the verdict.
+  void Look(const std::string& page, int pictures, const std::string& said) {
     browser_->complaints.clear();
     browser_->Open("file://" + (bench_ / page).string());
+    const std::string title = browser_->Ask("document.title"),
+                      lead = browser_->Ask("document.querySelector('.lead').innerText");
+    EXPECT_THAT(title, HasSubstr(said)) << page;
+    EXPECT_THAT(lead, Not(IsEmpty())) << page;
     std::set<std::string> backs;
     for (int theme = 0; theme < 2; ++theme) {
       backs.insert(browser_->Ask("getComputedStyle(document.body).backgroundColor"));
@@ -117,10 +122,26 @@ class Pages : public ::testing::Test {
       EXPECT_GE(seen["pictures"], pictures) << page;
       EXPECT_GE(seen["curves"], pictures) << page;
       EXPECT_THAT(seen["faults"], IsEmpty()) << page << seen["faults"].dump(1);
+      AskAxe(page);
       browser_->Ask("document.getElementById('theme').click()");
     }
     EXPECT_EQ(backs.size(), 2u) << "light and dark";
     EXPECT_THAT(browser_->complaints, IsEmpty());
+  }
+
+  /// Contrast, labels, headings, tables: what axe-core finds amiss in what is unfolded. Without npm it is not there.
+  void AskAxe(const std::string& page) {
+    static const std::string axe = ReadBytes(DYNOPROOF_AXE);
+    if (axe.empty()) {
+      if (Browser::Required())
+        ADD_FAILURE() << DYNOPROOF_AXE << " is missing, CI is set: npm fetches it at configuration";
+      return;
+    }
+    browser_->Ask(axe + "; 0");
+    const nlohmann::json found = browser_->Ask(
+        "axe.run({ resultTypes: ['violations'] }).then((all) => all.violations.map((one) => "
+        "[one.id, one.help, one.nodes.slice(0, 3).map((node) => node.html.slice(0, 200))]))");
+    EXPECT_THAT(found, IsEmpty()) << page << found.dump(1);
   }
 
   Bench bench_;
@@ -129,18 +150,18 @@ class Pages : public ::testing::Test {
 
 TEST_F(Pages, OfARunThatPasses) {
   Made({"run", "line.toml", "--html", "run.html"});
-  Look("run.html", 5);
+  Look("run.html", 5, "line: pass");
 }
 
 TEST_F(Pages, OfARunThatFails) {
   Made({"run", "line.toml", "--set", "check.0.nrmse=1e-30", "--html", "run.html"}, 1);
   EXPECT_THAT(ReadBytes(bench_ / "run.html"), HasSubstr("fail"));
-  Look("run.html", 5);
+  Look("run.html", 5, "line: fail");
 }
 
 TEST_F(Pages, OfAClaimWithItsFigures) {
   Made({"reproduce", "5.6.1-notch-1", "--html", "atlas.html"});
-  Look("atlas.html", 1);
+  Look("atlas.html", 1, "all claims as expected");
 }
 
 TEST_F(Pages, OfADiagnosis) {
@@ -149,7 +170,7 @@ TEST_F(Pages, OfADiagnosis) {
                   {"T_airgap"}, {"T_shaft", "omega_1"});
   ASSERT_FALSE(trace::WriteCsv(bench_ / "record.csv", columns));
   Made({"diagnose", "line.toml", "--data", "record.csv", "--out", "found", "--html", "diagnosis.html"});
-  Look("diagnosis.html", 3);
+  Look("diagnosis.html", 3, "record.csv: inertia_change at inertia:I3");
 }
 
 TEST_F(Pages, OfACampaignWhoseRunsAllPass) {
@@ -158,8 +179,8 @@ TEST_F(Pages, OfACampaignWhoseRunsAllPass) {
   const std::string page = ReadBytes(bench_ / "sweep.html");
   EXPECT_THAT(page, HasSubstr("All runs passed"));
   EXPECT_THAT(page, HasSubstr("Closest to its limit: run "));
-  EXPECT_THAT(page, ::testing::Not(HasSubstr("worst first")));
-  Look("sweep.html", 1);
+  EXPECT_THAT(page, Not(HasSubstr("worst first")));
+  Look("sweep.html", 1, "all 300 runs pass");
 }
 
 TEST_F(Pages, OfACampaignWithRunsThatFail) {
@@ -167,7 +188,7 @@ TEST_F(Pages, OfACampaignWithRunsThatFail) {
   bench_.Write("spread.toml", text.replace(text.find("1000.0"), 6, "85.0"));
   Made({"sweep", "spread.toml", "--html", "sweep.html"}, 1);
   EXPECT_THAT(ReadBytes(bench_ / "sweep.html"), HasSubstr("Runs that did not pass, worst first"));
-  Look("sweep.html", 1);
+  Look("sweep.html", 1, "of 300 runs do not pass");
 }
 
 TEST_F(Pages, OfTheNightlyRecord) {
@@ -177,9 +198,16 @@ TEST_F(Pages, OfTheNightlyRecord) {
           "c" + std::to_string(night), "--time", "2026-03-0" + std::to_string(night) + "T02:00:00Z"});
   }
   Made({"history", "show", "--db", "h.sqlite", "--html", "show.html"});
-  Look("show.html", 1);
+  Look("show.html", 1, "nightly record");
   Made({"history", "check", "--db", "h.sqlite", "--html", "check.html"}, 5);
-  Look("check.html", 1);
+  Look("check.html", 1, "1 series became worse");
+}
+
+TEST_F(Pages, OfABenchmark) {
+  const Outcome outcome = bench_.Call({"bench", "suppression/adaptive", "--html", "bench.html"});
+  ASSERT_TRUE(outcome.exit == 0 || outcome.exit == 4 || outcome.exit == 5)
+      << outcome.Both();  // as fit as the machine is
+  Look("bench.html", 1, "bench of suppression/adaptive: ");
 }
 
 /// Commands, and those below them, whose help names --html.
@@ -211,7 +239,8 @@ TEST(PagesOfTheProgram, AreAllLookedAtAbove) {
   const Bench bench;
   std::set<std::string> pages;
   CollectPages(bench, {}, pages);
-  EXPECT_EQ(pages, (std::set<std::string>{"run", "reproduce", "diagnose", "sweep", "history show", "history check"}))
+  EXPECT_EQ(pages,
+            (std::set<std::string>{"run", "reproduce", "diagnose", "bench", "sweep", "history show", "history check"}))
       << "a command that writes another page needs a test here";
 }
 

@@ -49,10 +49,36 @@ TEST(Assets, AreTheFilesOfTheFolder) {
 }
 
 TEST(Page, PutsEachPartInOnce) {
-  const std::string page = Page("a <title>", "{{body}}", "<p>the body {{style}}</p>");
-  EXPECT_THAT(page, HasSubstr("<title>a &lt;title&gt;</title>"));
+  const std::string page = Page("a <title>", "<b>fail</b> {{title}}", "{{body}}", "<p>the body {{style}}</p>");
+  EXPECT_THAT(page, HasSubstr("<title>a &lt;title&gt; (dynoproof)</title>"));
   EXPECT_THAT(page, HasSubstr("<p>the body {{style}}</p>")) << "what is put in is not a place itself";
+  EXPECT_THAT(page, HasSubstr("<p class=\"lead\"><b>fail</b> {{title}}</p>"));
   EXPECT_THAT(page, HasSubstr("class=\"provenance\">{{body}}</p>"));
+}
+
+TEST(RunPage, SaysFirstWhichVerdictAndWhichCause) {
+  ScenarioResult result;
+  result.id = "family/line";
+  result.verdict = score::Verdict::kFail;
+  result.checks.push_back(score::AtMost("solvers omega_1", "solvers", 0.1, 0.2, "1", "made up"));
+  result.checks.push_back(
+      score::AtMost("golden T", "tube", 3.0, 1.0, "half-widths", "made up", "apart from t = 1 s on"));
+  const auto lead_of = [&result] {
+    const std::string page = RunPage(1).Finish({result});
+    const std::size_t at = page.find("class=\"lead\"");
+    return page.substr(page.find("<title>"), page.find("</title>") - page.find("<title>")) +
+           page.substr(at, page.find("</p>", at) - at);
+  };
+  EXPECT_THAT(lead_of(), HasSubstr("<title>family/line: fail (dynoproof)"));
+  EXPECT_THAT(lead_of(),
+              HasSubstr("golden T: 3 half-widths (at most 1 half-widths). apart from t = 1 s on. 1 of 2 checks"));
+  result.checks.back().cause = "gain 1.05";
+  EXPECT_THAT(lead_of(), HasSubstr("<title>family/line: fail, gain 1.05 (dynoproof)"));
+  EXPECT_THAT(lead_of(), HasSubstr("Likely cause: gain 1.05. 1 of 2 checks does not pass."));
+  result.checks.pop_back();
+  result.verdict = score::Verdict::kPass;
+  EXPECT_THAT(lead_of(),
+              HasSubstr("The one check holds. The closest to its limit is solvers omega_1: 0.1 (at most 0.2)."));
 }
 
 TEST(RunPage, ShowsABrokenRunFirstAndEscapesItsTexts) {

@@ -153,14 +153,13 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
     }
     parts += chapter.figures + "</details>\n";
   }
-  const trace::Provenance build = BuildProvenance();
-  return Page(
-      "dynoproof reproduce: atlas of the thesis",
-      fmt::format("dynoproof {}, {}, {}", build.Text("version").value_or(""), build.Text("commit").value_or(""),
-                  build.Text("compiler").value_or("")),
-      fmt::format("<section id=\"overview\"><h2>{} claims, {} otherwise than the ledger expects, {} figures</h2>\n",
-                  claims.size(), unexpected, figures.size()) +
-          Table(StandingHeads(), contents) + "</section>\n" + parts);
+  const std::string lead = fmt::format("{} claims, {} otherwise than the ledger expects, {} figures.", claims.size(),
+                                       unexpected, figures.size());
+  return Page(unexpected == 0 ? "atlas of the thesis: all claims as expected"
+                              : fmt::format("atlas of the thesis: {} claims otherwise than expected", unexpected),
+              lead, reports::BuildLine(),
+              "<section id=\"overview\"><h2>Claims by chapter</h2>\n" + Table(StandingHeads(), contents) +
+                  "</section>\n" + parts);
 }
 
 }  // namespace dynoproof::reports
