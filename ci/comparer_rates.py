@@ -6,17 +6,18 @@ comparer_rates.py BUILD RUNS RUN.json... [--readme check|write]
 RUNS is the folder of traces that `run` of all scenarios left, RUN.json what it and runs of other builds or classes of vector
 instructions (DYNOPROOF_CPU_CLASS) wrote with --json; ci/nightly.sh has them. Nothing is simulated anew. The comparisons
 with golden data that fail in a RUN.json are false failures, with the upper bound at 95 % that none in N leaves (3/N). Then
-BUILD/bench/comparer_rates alters the traces in known ways and counts what is seen. Prints both as the README has them;
+BUILD/bench/comparer_rates alters the traces in known ways and counts what is seen. Prints both as tests/README.md has them;
 --readme write puts them there, --readme check holds what is there against them. Ends with 0; with 1 where a comparison
-failed falsely or the README says otherwise; with 2 where something could not run."""
+failed falsely or the page says otherwise; with 2 where something could not run."""
 import argparse
 import json
 import pathlib
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-BEGIN, END = "<!-- comparer: written by ci/comparer_rates.py -->", "<!-- end of comparer -->"
+import block
+
+PAGE = "tests/README.md"
 
 
 class Broken(Exception):
@@ -54,13 +55,6 @@ def text_of(rates, comparisons, runs):
     return lines
 
 
-def in_readme():
-    lines = (ROOT / "README.md").read_text().splitlines()
-    if BEGIN not in lines or END not in lines:
-        raise Broken("README.md has not the lines between which this stands: " + BEGIN)
-    return lines, lines.index(BEGIN) + 1, lines.index(END)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
@@ -75,21 +69,19 @@ def main():
         for scenario, name, passed in comparisons:
             if not passed:
                 print(f"{scenario}: {name} fails", file=sys.stderr)
-        tool = subprocess.run([str(options.build / "bench/comparer_rates"), str(ROOT / "golden"), str(options.runs)],
+        tool = subprocess.run([str(options.build / "bench/comparer_rates"), str(block.ROOT / "golden"), str(options.runs)],
                               capture_output=True, text=True)
         if tool.returncode != 0:
             raise Broken(tool.stderr.strip())
         lines = text_of(json.loads(tool.stdout), comparisons, len(options.results))
         print("\n".join(lines))
-        if options.readme:
-            there, begin, end = in_readme()
-            if options.readme == "write":
-                (ROOT / "README.md").write_text("\n".join(there[:begin] + lines + there[end:]) + "\n")
-            elif there[begin:end] != lines:
-                print("README.md says otherwise: ci/comparer_rates.py BUILD --readme write", file=sys.stderr)
-                return 1
+        if options.readme == "write":
+            block.write(PAGE, "comparer", lines)
+        elif options.readme == "check" and block.read(PAGE, "comparer") != lines:
+            print(f"{PAGE} says otherwise: ci/comparer_rates.py BUILD RUNS RUN.json... --readme write", file=sys.stderr)
+            return 1
         return 0 if all(passed for _, _, passed in comparisons) else 1
-    except (Broken, OSError, ValueError, KeyError, TypeError) as error:
+    except (Broken, block.Missing, OSError, ValueError, KeyError, TypeError) as error:
         print(f"comparer_rates: {error}", file=sys.stderr)
         return 2
 

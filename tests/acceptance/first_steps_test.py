@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
-"""A newcomer's first drive line, as README.md and `describe` lead: every change that they invite runs and passes as it is
-written. first_steps_test.py PROGRAM"""
+"""A newcomer's first steps, as README.md, scenarios/README.md and `describe` lead: every command of the README runs in a clean
+folder as it is written, and so does every change that the pages invite. first_steps_test.py PROGRAM"""
 import os
 import re
 import sys
 import unittest
 
-from steps import Steps, blocks
+from steps import ROOT, Steps, blocks, commands, section
 
 Steps.program = os.path.abspath(sys.argv.pop())
-SECTION = "Your own drive line in five minutes"
+RIGHT, WHY, FAST = "Is this simulation right?", "It disagrees with the measurement: why?", "Is it fast enough for 10 kHz?"
+BUILD, SECTION, RECORD = "Two commands", "Your own drive line in five minutes", "Your own record"
+CHANGES = blocks("scenarios/README.md", "toml", "Changes to a line")
 SHORT = " --set run.duration_s=0.3"  # of 2 s: the chirp has come to 60 Hz, play and friction have been at work
 STARTS = {"constant_load": "T_0 = 5.0", "sensor_offset": "o = 1.0", "sensor_drift": "slope = 1.0",
           "actuator_harmonic": "h2 = 0.02, h3 = 0.01"}  # where the start of a search is "none of it"
+of_the_thesis = unittest.skipUnless((ROOT / "engine/thesis").exists(), "the scenario belongs to the thesis")
 
 
 class FirstSteps(Steps):
@@ -41,6 +44,43 @@ class FirstSteps(Steps):
         for check in run["checks"]:
             self.assertLess(check["value"], check["limit"])
 
+    def test_no_command_of_the_readme_is_left_out(self):
+        """Those that install and build are what the tests themselves began with."""
+        known = [script for heading in (RIGHT, WHY, FAST, BUILD, SECTION, RECORD) for script in blocks("README.md", "sh", heading)]
+        self.assertEqual(blocks("README.md", "sh"), known)
+        for command, _ in commands(known[3]):
+            self.assertTrue(os.access(ROOT / command, os.X_OK), command)
+
+    def first(self, heading, any_exit=False):
+        """The commands below one of the three questions. What the last one said, and the title of the page that it wrote."""
+        (self.folder / "my_line.toml").unlink()
+        (script,) = blocks("README.md", "sh", heading)
+        *before, (last, stated) = commands(script)
+        for command, _ in before:
+            self.shell(command)
+        done = self.shell(last, exit=None if any_exit else stated)
+        page = (self.folder / re.search(r"--html (\S+)", last)[1]).read_text()
+        return done, re.search(r"<title>(.*?)</title>", page)[1]
+
+    @of_the_thesis
+    def test_is_this_simulation_right(self):
+        done, title = self.first(RIGHT)
+        (said,) = re.findall(r"`(resonance moved from .*?)`", section("README.md", RIGHT))
+        self.assertIn(said, done.stdout)
+        self.assertIn(said, title)
+
+    def test_why_does_it_disagree(self):
+        done, title = self.first(WHY)
+        self.assertIn("effect_found", done.stdout)
+        self.assertIn("bench.csv: inertia_change at inertia:I3", title)
+
+    @of_the_thesis
+    def test_is_it_fast_enough(self):
+        done, title = self.first(FAST, any_exit=True)
+        self.assertIn(done.returncode, (0, 4, 5), "on a machine that runs tests nothing is promised")
+        self.assertIn("suppression/adaptive", title)
+        self.assertIn("step, median", done.stdout)
+
     def test_the_commands_of_the_readme(self):
         (self.folder / "my_line.toml").unlink()
         (script,) = blocks("README.md", "sh", SECTION)
@@ -50,7 +90,7 @@ class FirstSteps(Steps):
     def test_a_record_of_ones_own(self):
         """The commands of the README, and what they find: the numbers that the trace came from."""
         (self.folder / "my_line.toml").unlink()
-        (script,) = blocks("README.md", "sh", "Your own record")
+        (script,) = blocks("README.md", "sh", RECORD)
         self.script(script)
         last = [line for line in script.splitlines() if " identify " in line][0]
         found = self.document(last.replace("build/", ""))["parameters"]
@@ -58,12 +98,10 @@ class FirstSteps(Steps):
             # A band-limited interpolation is that good up to 0.8 of half the sampling rate, where this chirp ends.
             self.assertAlmostEqual(found[key]["value"] / true, 1.0, delta=1e-4, msg=key)
 
-    def test_the_changes_of_the_readme(self):
-        shown = blocks("README.md", "toml", SECTION)
-        excerpts = [one for one in shown if one.startswith("[plant]")]
-        changes = [one for one in shown if one not in excerpts]
-        self.assertEqual((len(excerpts), len(changes)), (1, 4))
-        for line in excerpts[0].splitlines():
+    def test_the_changes_of_the_pages(self):
+        (excerpt,), changes = blocks("README.md", "toml"), CHANGES
+        self.assertEqual(len(changes), 4)
+        for line in excerpt.splitlines():
             self.assertIn(re.sub(r"\s*#.*", "", line), self.template, "the README shows the template")
         for i, example in enumerate(changes):
             with self.subTest(example=example):
@@ -102,7 +140,7 @@ class FirstSteps(Steps):
         self.assertEqual(with_oracle.count("\n[[check]]"), 2)
         self.passes("linear", with_oracle)
         self.template = with_oracle
-        cubic, play, load, effect = [one for one in blocks("README.md", "toml", SECTION) if not one.startswith("[plant]")]
+        cubic, play, load, effect = CHANGES
         for name, change, why, instead in (("cubic", cubic, "the law cubic_spring", 'kind = "solvers"'),
                                            ("play", play, "the law phase_plane", 'oracle = "piecewise_exponential"'),
                                            ("load", load, "the law coulomb", 'kind = "solvers"'),

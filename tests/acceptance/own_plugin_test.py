@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """`new law`, `new effect` and `new check`: the commands that they print, from the build folder and from an installation, and those of
-README.md. own_plugin_test.py PROGRAM"""
+engine/plugins/README.md. own_plugin_test.py PROGRAM"""
 import os
 import pathlib
 import sys
@@ -52,8 +52,8 @@ class OwnPlugin(Steps):
         self.printed("dynoproof", "effect", "extra_mass")
         self.check("dynoproof")
 
-    def test_the_readme(self):
-        (script,) = blocks("README.md", "sh", "Plugins and projects of your own")
+    def test_the_page(self):
+        (script,) = blocks("engine/plugins/README.md", "sh", "In a library of your own")
         self.assertIn("pass", self.script(script))
 
 

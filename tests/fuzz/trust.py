@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""What readers of files were tried with, as counted: results.json beside this script, and the table of it in README.md.
+"""What readers of files were tried with, as counted: results.json beside this script, and the table of it in
+tests/README.md.
 
 trust.py fuzz out/fuzz/runs     takes over what ci/fuzz.sh has written there: hours, files, findings of each target
 trust.py flips LOG              takes over what `DYNOPROOF_BIT_FLIPS=all trace_test --gtest_filter='BitFlips.*'` printed
-trust.py readme [--check]       writes the table into README.md; --check: ends with 1 where it is another one"""
+trust.py readme [--check]       writes the table into that page; --check: ends with 1 where it is another one"""
 import json
 import pathlib
 import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-README = HERE.parent.parent / "README.md"
+sys.path.append(str(HERE.parent.parent / "ci"))
+import block  # noqa: E402
+
+PAGE = "tests/README.md"
 RESULTS = HERE / "results.json"
 READERS = {"csv": "CSV, LabVIEW", "mat": "MAT v4 to v7.3", "hdf5": "HDF5: traces, files of others", "scenario": "scenarios",
            "map": "maps of records", "golden": "golden tolerances", "campaign": "campaigns", "history": "results for the history"}
@@ -63,14 +67,12 @@ def main(arguments):
         sys.exit(__doc__)
     results = json.loads(RESULTS.read_text()) if RESULTS.exists() else {"fuzz": {}, "flips": []}
     if arguments[0] == "readme":
-        lines = README.read_text().splitlines()
-        begin = lines.index(HEAD)
-        end = next(i for i in range(begin, len(lines)) if not lines[i].startswith("|"))
-        if "--check" in arguments:
-            wrong = [row for row in table(results) if row not in lines[begin:end]]
-            print("\n".join(["README.md has not these rows, write them by `trust.py readme`:"] + wrong) if wrong else "trust: README.md agrees")
-            sys.exit(1 if wrong or end - begin != len(table(results)) else 0)
-        README.write_text("\n".join(lines[:begin] + table(results) + lines[end:]) + "\n")
+        if "--check" not in arguments:
+            block.write(PAGE, "fuzz", table(results))
+        elif wrong := [row for row in table(results) if row not in block.read(PAGE, "fuzz")]:
+            sys.exit("\n".join([f"{PAGE} has not these rows, write them by `trust.py readme`:"] + wrong))
+        elif block.read(PAGE, "fuzz") != table(results):
+            sys.exit(f"{PAGE} has other rows besides, write them by `trust.py readme`")
         return
     text = pathlib.Path(arguments[1]).read_text()
     results[arguments[0]] = take_fuzz(text.splitlines()) if arguments[0] == "fuzz" else take_flips(text)

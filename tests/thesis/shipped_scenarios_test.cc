@@ -1,4 +1,4 @@
-// What the README says of all shipped scenarios: each compares the two solvers, and holds with either of them.
+// What engine/README.md says of all shipped scenarios: each compares the two solvers, and holds with either of them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,12 +43,12 @@ TEST(ShippedScenarios, EachComparesTheSolvers) {
   }
 }
 
-/// The README's count of scenarios with an oracle.
-TEST(ShippedScenarios, AsManyHaveAnOracleAsTheReadmeSays) {
+/// The count of scenarios with an oracle in engine/README.md.
+TEST(ShippedScenarios, AsManyHaveAnOracleAsThePageSays) {
   const std::vector<std::string> files = Shipped();
   const auto with = std::count_if(files.begin(), files.end(),
                                   [](const std::string& file) { return KindsOf(file).contains("oracle"); });
-  const std::optional<std::string> readme = ReadTextFile("README.md");
+  const std::optional<std::string> readme = ReadTextFile("engine/README.md");
   ASSERT_TRUE(readme);
   EXPECT_THAT(*readme, ::testing::HasSubstr(fmt::format("{} of {} scenarios", with, files.size())));
 }
