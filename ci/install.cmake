@@ -7,8 +7,14 @@ include(CMakePackageConfigHelpers)
 install(TARGETS dynoproof DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY scenarios golden DESTINATION share/dynoproof PATTERN oracles EXCLUDE)
 install(FILES reports/run.schema.json DESTINATION share/dynoproof)
-install(FILES LICENSE README.md ci/copyright DESTINATION share/doc/dynoproof)
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff ci/copyright DESTINATION share/doc/dynoproof)
 install(DIRECTORY bench/campaigns DESTINATION share/doc/dynoproof/examples PATTERN blind.toml EXCLUDE)
+
+# Manual pages and bash completion, from the help of the program that is installed.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+install(CODE "execute_process(COMMAND \"${Python3_EXECUTABLE}\" \"${PROJECT_SOURCE_DIR}/ci/manual.py\" \"$<TARGET_FILE:dynoproof>\" \"${PROJECT_BINARY_DIR}/manual\" COMMAND_ERROR_IS_FATAL ANY)")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/man1 DESTINATION ${CMAKE_INSTALL_MANDIR})
+install(FILES ${PROJECT_BINARY_DIR}/manual/dynoproof DESTINATION share/bash-completion/completions)
 
 # What a plugin of somebody else's needs: headers and libraries of base, linear, model and score, and what a check sees
 # of a run.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What a change must pass before it is looked at: layers, names, comparisons, format of the sources, shell scripts.
+# What a change must pass before it is looked at: layers, names, comparisons, links, format of the sources, shell scripts.
 # ci/presubmit.sh [--all]; --all runs clang-tidy over the whole engine as well (nightly). Under CI a missing tool fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,6 +14,7 @@ have() {
 ./ci/check_layers.py
 ./ci/check_names.py
 ./ci/check_nan.py
+./ci/check_links.py
 if git grep -nE '\.dump\(' -- 'engine/*.cc' 'engine/*.h' 'reports/*.cc' 'reports/*.h' ':!engine/base/json_text.h'; then
   echo "presubmit: dump() throws where a text is no UTF-8: take JsonText() of base/json_text.h"
   exit 1
