@@ -220,15 +220,17 @@ Contestant FirstLook(const Trial& candidate, const Contestant& null, const Level
                                                            : SizedStart(candidate, screen, from);
   const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
   contestant.levels[level] = AsLoudAs(
-      null, level, Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .known = known}));
+      null, level,
+      Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .near = true, .known = known}));
   const auto share = [&](std::size_t at) { return ShareOf(contestant, null, levels, at); };
   if (contestant.Holds(level)) contestant.share = share(level), best = contestant.levels[level].q;
   // And at the next level: a strong correction leaves little of what only accumulates.
   const std::size_t next = level + 1;
   if (next < levels.size() && null.Holds(next)) {
     const estimation::KnownColumns columns{&null.hypothesis, &null.levels[next]};
-    contestant.levels[next] = AsLoudAs(
-        null, next, Fit(candidate.hypothesis, levels[next], best, {.iterations = 6, .renewals = 1, .known = columns}));
+    contestant.levels[next] = AsLoudAs(null, next,
+                                       Fit(candidate.hypothesis, levels[next], best,
+                                           {.iterations = 6, .renewals = 1, .near = true, .known = columns}));
     if (contestant.Holds(next)) contestant.share = std::max(contestant.share, share(next));
   }
   return contestant;
@@ -271,11 +273,11 @@ Estimate FitWith(const Contestant& contestant, const Contestant& null, const Lev
   VectorXd near = BestStart(contestant, null, levels, level, from);
   if (null.Holds(level)) {
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-    const Estimate rough =
-        Fit(contestant.hypothesis, levels[level], near, {.iterations = 10, .renewals = 2, .known = known});
+    const Estimate rough = Fit(contestant.hypothesis, levels[level], near,
+                               {.iterations = 10, .renewals = 2, .near = true, .known = known});
     if (rough.ok()) near = rough.q;
   }
-  return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near));
+  return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near, {.renewals = 6, .near = true}));
 }
 
 /// Whether a model may be exact where its run is corrected less: it is near the noise here.
@@ -367,13 +369,14 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   // Its own columns do for a few steps; only what ends lower is worth new ones.
   const bool known = contestant.Holds(level);
   const estimation::KnownColumns own_columns{&contestant.hypothesis, known ? &contestant.levels[level] : nullptr};
-  Estimate again =
-      AsLoudAs(null, level,
-               Fit(contestant.hypothesis, levels[level], from,
-                   {.iterations = 8, .renewals = 1, .known = known ? std::optional(own_columns) : std::nullopt}));
+  Estimate again = AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], from,
+          {.iterations = 8, .renewals = 1, .near = true, .known = known ? std::optional(own_columns) : std::nullopt}));
   const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
   if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
-  if (known) again = AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], again.q));
+  if (known)
+    again = AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], again.q, {.renewals = 6, .near = true}));
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 
@@ -456,7 +459,7 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
   Contestant null(released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry));
   std::vector<const Predictor*> order;
   for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
-  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start());
+  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6, .near = true});
   return null;
 }
 

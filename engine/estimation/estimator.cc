@@ -15,8 +15,9 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
-constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
+constexpr double kLoudest = 2.0;   // times the noise alone of the start: a louder loop is no model any more
+constexpr double kStraight = 1e3;  // rows of a channel: the constant beside the noise's part
+constexpr const char* kSettled = "settled";
 constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
 
 /// What is kept of one simulated point.
@@ -212,6 +213,7 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
     const bool held = (q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0);
     if (!held) free.push_back(i);
   }
+  if (free.empty()) return 0.0;
   const Eigen::MatrixXd own = columns(Eigen::all, free);
   const VectorXd slope = gradient(free);
   return slope.dot((own.transpose() * own).completeOrthogonalDecomposition().solve(slope));
@@ -257,41 +259,52 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   RowMajor columns;
   std::optional<Point> point = residual.At(q);
   estimate.termination = "as often renewed as allowed";
-  bool fresh = false;  // columns of their own for each step of the descent
-  for (;; ++estimate.renewals) {
-    if (!point) break;
+  bool fresh = !options.near;  // columns of their own for each step of the descent
+  for (; point; ++estimate.renewals) {
     const std::vector<ChannelScale> old = residual.scales();
     residual.About(*point);
     weighted = residual.Weighted(*point);
     const double begun = residual.CriterionOf(weighted);
-    if (!std::isfinite(begun)) {
-      estimate.broken = "the innovations are not finite";
-      break;
+    if (!std::isfinite(begun)) estimate.broken = "the innovations are not finite";
+    if (!estimate.ok() || q.size() == 0) break;
+    bool settled = estimate.renewals > 0 && estimate.termination == kSettled;
+    if (options.near || settled || estimate.renewals == options.renewals) {
+      const std::optional<RowMajor> here = residual.ColumnsAt(*point, weighted);
+      if (!here) break;
+      columns = *here;
     }
-    if (q.size() == 0) break;
-    const std::optional<RowMajor> here = residual.ColumnsAt(*point, weighted);
-    if (!here) break;
-    columns = *here;
-    bool settled = DecrementOf(columns, weighted, q, lower, upper) < options.converged;
-    for (std::size_t c = 0; c < old.size(); ++c)
-      settled = settled && std::abs(residual.scales()[c].rms / old[c].rms - 1.0) < kSettledScale;
-    if (settled) estimate.termination = "settled";
+    if (options.near) {
+      settled = DecrementOf(columns, weighted, q, lower, upper) < options.converged;
+      for (std::size_t c = 0; c < old.size(); ++c)
+        settled = settled && std::abs(residual.scales()[c].rms / old[c].rms - 1.0) < kSettledScale;
+      if (settled) estimate.termination = kSettled;
+    }
     if (settled || estimate.renewals == options.renewals) break;
-    // These columns serve for the whole descent, a simulation a step; where they lead nowhere, each step gets its own.
+    // The columns of here serve for the whole descent, a simulation a step; where they lead nowhere, each step gets its own.
     residual.Freeze(fresh ? RowMajor() : columns);
     estimate.broken = Descend(residual, options, lower, upper, weighted.squaredNorm(), q, estimate);
     residual.Freeze({});
     if (!estimate.ok()) break;
     const std::optional<Point> there = residual.At(q);
     const bool gained = there && begun - residual.CriterionOf(residual.Weighted(*there)) >= options.converged;
-    if (gained || !there) {
+    if (options.near && !gained && there) {
+      q = point->q;
+      if (fresh) {
+        estimate.termination = "no lower anywhere near";
+        break;
+      }
+    } else {
       point = there;
-    } else if (fresh) {
-      estimate.termination = "no lower anywhere near";
-      break;
     }
-    fresh = !gained;
-    q = point ? point->q : q;
+    if (options.near) {
+      fresh = !gained;
+    } else if (there && !gained) {
+      const std::vector<ChannelScale> now = ScalesOf(predictor.data(), there->innovations, there->noise_alone);
+      bool same = true;
+      for (std::size_t c = 0; c < now.size(); ++c)
+        same = same && std::abs(now[c].rms / residual.scales()[c].rms - 1.0) < kSettledScale;
+      if (same) estimate.termination = kSettled;
+    }
   }
   if (!point) estimate.broken = residual.broken();
   if (!estimate.ok()) return estimate;

@@ -52,13 +52,16 @@ struct KnownColumns {
 
 struct EstimatorOptions {
   int iterations = 20;     // of Levenberg-Marquardt, between two renewals
-  int renewals = 6;        // of s, tau, q0 and the columns of the Jacobian, which serve until the next
+  int renewals = 4;        // of s, tau, q0 and the columns of the Jacobian, which serve until the next
   double converged = 1.0;  // what a step would still take off Q: an eighth of what decides between two models
+  /// The start is near by: a descent keeps the columns of its beginning, a simulation a step. From afar they lead astray, so
+  /// that each step gets its own.
+  bool near = false;
   std::optional<KnownColumns> known = {};
 };
 
-/// Levenberg-Marquardt (Ceres) within the bounds, from `start` [parameters]. A descent keeps the columns of its beginning and
-/// costs a simulation a step; the fit ends where new columns promise less than `converged`.
+/// Levenberg-Marquardt (Ceres) within the bounds, from `start` [parameters]. The fit ends where new columns promise less than
+/// `converged`.
 Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Eigen::VectorXd& start,
              const EstimatorOptions& options = {});
 
