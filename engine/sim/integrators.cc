@@ -11,6 +11,8 @@
 #include <cmath>
 #include <sundials/sundials_context.hpp>
 
+#include "sim/vector_operations.h"
+
 namespace dynoproof {
 namespace {
 
@@ -37,32 +39,6 @@ int Guards(realtype time, N_Vector states, realtype* values, void* user) {
   return 0;
 }
 
-/// z = sum c_i x_i over all vectors in one pass. Half of a Runge-Kutta step goes into these sums; SUNDIALS' own serial
-/// version passes over the data once for each vector.
-int LinearCombination(int count, realtype* factors, N_Vector* vectors, N_Vector result) {
-  constexpr int kMost = 16;
-  if (count > kMost) return -1;
-  const double* x[kMost];
-  for (int i = 0; i < count; ++i) x[i] = N_VGetArrayPointer(vectors[i]);
-  double* z = N_VGetArrayPointer(result);
-  const auto n = N_VGetLength(result);
-  constexpr int kStrip = 16;  // kept in registers while all vectors are added
-  sunindextype k = 0;
-  for (; k + kStrip <= n; k += kStrip) {
-    double sum[kStrip] = {};
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < kStrip; ++j) sum[j] += factors[i] * x[i][k + j];
-    }
-    for (int j = 0; j < kStrip; ++j) z[k + j] = sum[j];
-  }
-  for (; k < n; ++k) {
-    double sum = 0.0;
-    for (int i = 0; i < count; ++i) sum += factors[i] * x[i][k];
-    z[k] = sum;
-  }
-  return 0;
-}
-
 /// SUNDIALS prints its warnings; they come back as return codes, and library code does not print.
 void Silence(int, const char*, const char*, char*, void*) {}
 
@@ -72,7 +48,7 @@ class SundialsIntegrator : public Integrator {
   explicit SundialsIntegrator(OdeProblem problem) : problem_(std::move(problem)), roots_(problem_.guard_count) {
     const auto n = static_cast<sunindextype>(problem_.absolute_tolerance.size());
     states_.reset(N_VNew_Serial(n, context_));
-    states_->ops->nvlinearcombination = LinearCombination;
+    UseOwnOperations(states_.get());
     tolerance_.reset(N_VNew_Serial(n, context_));
     std::copy(problem_.absolute_tolerance.begin(), problem_.absolute_tolerance.end(), Data(tolerance_.get()).begin());
   }
