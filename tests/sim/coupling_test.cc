@@ -1,10 +1,10 @@
 // Couplings in a line: the oil's state carried exactly, against closed solutions; drift against an integration by hand.
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
 
-#include "linear/eigen.h"
 #include "sim/solver.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
