@@ -144,12 +144,6 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
   return estimate;
 }
 
-/// The share of the null's excess that a model removes at a level.
-double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
-  return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
-                        LogExcess(null.levels[level].scales, levels.data()));
-}
-
 constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
 
 double Bounded(double size) { return std::copysign(std::clamp(std::abs(size), kLeastSize, kMostSize), size); }
@@ -452,6 +446,11 @@ double LogExcess(const std::vector<ChannelScale>& scales, const DataSet& data) {
     sum += std::log(std::max(power - noise, seen * noise));
   }
   return sum / static_cast<double>(std::max<std::size_t>(1, scales.size()));
+}
+
+double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
+  return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
+                        LogExcess(null.levels[level].scales, levels.data()));
 }
 
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {

@@ -68,6 +68,9 @@ bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& 
 /// counts with as much as could be seen there.
 double LogExcess(const std::vector<estimation::ChannelScale>& scales, const estimation::DataSet& data);
 
+/// The share of the null's excess that a model removes at a level where both hold.
+double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
+
 /// The null, which may have effects already, and the ten candidates on top of it that remove most, each fitted at every
 /// level.
 struct Contest {

@@ -17,10 +17,7 @@ using estimation::Weight;
 
 /// The share of the null's excess that a contestant removes at a level.
 double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std::size_t level) {
-  const auto log_excess = [&](std::size_t k) {
-    return LogExcess(contest.contestants[k].levels[level].scales, levels.data());
-  };
-  return 1.0 - std::exp(log_excess(i) - log_excess(0));
+  return ShareOf(contest.contestants[i], contest.null(), levels, level);
 }
 
 /// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers

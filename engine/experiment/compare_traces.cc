@@ -21,8 +21,6 @@ namespace {
 
 /// Ends that differ by less than this many steps are the same: one program counts the last sample, another does not.
 constexpr double kEndSlack = 1.5;
-/// Share of a step by which two stamps may differ and be the same: the round-off of summed steps.
-constexpr double kStampSlack = 1e-6;
 /// Of what a signal's second differences let the line between its samples be off. Where they are resolved (eight
 /// samples a period and more) that is right to a tenth, on the shipped traces to two fifths.
 constexpr double kInterpolationRoom = 2.0;

@@ -13,8 +13,6 @@ constexpr std::size_t kWhole = 4000;  // a time base of fewer samples is kept as
 /// Kept samples in a stretch. More would tell less of a lone sample, fewer would leave less room for samples, which tell why a
 /// run is off.
 constexpr std::size_t kInStretch = 8;
-/// Share of a step by which two stamps may differ and be the same: the round-off of summed steps.
-constexpr double kStampSlack = 1e-6;
 
 std::size_t NextPrime(std::size_t n) {
   for (;; ++n) {

@@ -13,6 +13,9 @@
 
 namespace dynoproof {
 
+/// Share of a step by which two stamps may differ and be the same: the round-off of summed steps.
+inline constexpr double kStampSlack = 1e-6;
+
 /// The samples at the stamps `kept`; nothing where there is none at one of them (but for round-off).
 std::optional<std::vector<double>> SamplesAt(std::span<const double> kept, std::span<const double> time_s,
                                              std::span<const double> values);
