@@ -15,6 +15,7 @@
 #include "diagnosis/settle.h"
 #include "experiment/drive_by_record.h"
 #include "identification/nuisance.h"
+#include "identification/residual_tests.h"
 #include "identification/start.h"
 
 namespace dynoproof::diagnosis {
@@ -47,9 +48,24 @@ struct Parts {
   std::unique_ptr<Levels> training, held_out;
 };
 
+/// Mean over channels of the logarithm of the power that a plan leaves in its free run.
+double LogPowerOf(const Plan& plan, const Levels& levels) {
+  const Result<Eigen::VectorXd> rows = levels[levels.free_run()].Innovations(plan);
+  if (!rows.ok()) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const estimation::Channel& channel : levels.data().channels())
+    sum += std::log(std::max(rows->segment(channel.begin, channel.count).squaredNorm() /
+                                 static_cast<double>(std::max<Eigen::Index>(1, channel.count)),
+                             std::numeric_limits<double>::min()));
+  return sum / static_cast<double>(levels.data().channels().size());
+}
+
+/// Records in motion are led in by their samples, unless the plan holds starts (FitStarts()) that suit them as well: what
+/// noise makes of a start that is found in a short lead-in stays in the free run behind it.
 Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                     const Registry& registry) {
-  std::vector<MappedRecord> first = data;
+  constexpr double kAsWell = 1.5;  // times the power
+  std::vector<MappedRecord> first = data, later = holdout.empty() ? data : holdout;
   if (holdout.empty()) {
     for (MappedRecord& record : first) {
       record = OntoClock(std::move(record), plan);
@@ -59,11 +75,31 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
   Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
   if (!training.ok()) return training.failure();
+  if (std::ranges::any_of(first, &MappedRecord::in_motion)) {
+    for (MappedRecord& record : first) record.in_motion = false;
+    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
+    if (unled.ok() && LogPowerOf(plan, **unled) <= LogPowerOf(plan, **training) + std::log(kAsWell)) {
+      training = std::move(unled);
+      if (holdout.empty()) {
+        for (MappedRecord& record : later) record.in_motion = false;
+      }
+    }
+  }
   const double from_s = holdout.empty() ? kTrainingShare * data.front().end_s : 0.0;
-  Result<std::unique_ptr<Levels>> held =
-      Levels::Of(plan, holdout.empty() ? data : holdout, registry, from_s, kRows, training->get());
+  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from_s, kRows, training->get());
   if (!held.ok()) return held.failure();
   return Parts{*std::move(training), *std::move(held)};
+}
+
+/// Whether what a model leaves in its free run is noise, of whatever colour: independent of inputs and outputs, without lines
+/// and no echo of the machine. Differences of a record tell white noise alone.
+bool LeavesNoise(const EstimationProblem& problem, const Contestant& one, const Levels& levels) {
+  const std::size_t free = levels.free_run();
+  if (!one.Holds(free)) return false;
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(one.hypothesis.At(one.levels[free].q));
+  if (!predicted.ok()) return false;
+  const auto structure = identification::FindStructure(problem, problem.measured() - *predicted, *predicted);
+  return std::ranges::all_of(structure, [](const auto& of) { return of.tested && !of.found(); });
 }
 
 /// The log excess of a plan's innovations.
@@ -73,14 +109,17 @@ std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::s
   return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
 }
 
-/// Of each contestant, as it is fitted at each level, over what the plan as given leaves.
-std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, const HeldOut& given) {
+/// Of each contestant, as it is fitted at each level, over what the plan as given leaves. `own`: these are other records, which
+/// start elsewhere than those of the fits.
+std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, const HeldOut& given, bool own) {
   std::vector<HeldOut> all(contest.contestants.size(), HeldOut(held_out.size()));
   ParallelFor(all.size(), 0, [&](std::size_t i) {
     const Contestant& one = contest.contestants[i];
     for (std::size_t level = contest.first; level < held_out.size(); ++level) {
       if (!one.Holds(level)) continue;
-      all[i][level] = LogExcessAt(one.hypothesis.At(one.levels[level].q), held_out, level);
+      Plan plan = one.hypothesis.At(one.levels[level].q);
+      if (own) plan.root.Erase("start_of_record");
+      all[i][level] = LogExcessAt(plan, held_out, level);
       if (all[i][level]) *all[i][level] -= given[level].value_or(0.0);
     }
   });
@@ -110,7 +149,7 @@ identification::Hypothesis AsReported(const EstimationProblem& problem, const Co
     for (std::size_t k = 0; k < problem.nuisances().size(); ++k) {
       const identification::Nuisance& nuisance = problem.nuisances()[k];
       const double nominal = problem.plan().root.NumberOr(nuisance.path, 0.0);
-      if (nuisance.path != parameters[i].name) continue;
+      if ((nuisance.start ? StartOfRecord(0) + "." : "") + nuisance.path != parameters[i].name) continue;
       hypothesis.z[k] = (nuisance.relative ? std::log(value / nominal) : value - nominal) / nuisance.spread;
     }
   }
@@ -168,11 +207,12 @@ bool NearEnough(const Contestant& one) {
   return false;
 }
 
-/// What the comparison said of a candidate, by its name.
-std::string OutcomeOf(const Settled& settled, const std::string& name) {
-  const auto entry = std::ranges::find_if(
-      settled.journal, [&](const JournalEntry& one) { return !one.compared.empty() && one.compared.front() == name; });
-  return entry != settled.journal.end() ? entry->outcome : "its run breaks where models are compared";
+/// What the comparison said of a candidate, or why it took no part.
+std::string OutcomeOf(const Settled& settled, const Contestant& one) {
+  const auto entry = std::ranges::find_if(settled.journal, [&](const JournalEntry& some) {
+    return !some.compared.empty() && some.compared.front() == one.Name();
+  });
+  return entry != settled.journal.end() ? entry->outcome : one.levels[settled.level].broken;
 }
 
 /// RMS over the channels of what a model leaves at a level, over the spread of the signal; NaN where its run breaks.
@@ -246,8 +286,8 @@ Status Describe(const Parts& parts, const Contest& contest, const Settled& settl
   for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
     const Contestant& one = contest.contestants[i];
     const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
-    result.considered.push_back({one.effect().info().name, one.place().ToString(),
-                                 named ? "" : OutcomeOf(settled, one.Name()), NrmseOf(one, levels, level)});
+    result.considered.push_back({one.effect().info().name, one.place().ToString(), named ? "" : OutcomeOf(settled, one),
+                                 NrmseOf(one, levels, level)});
   }
   identification::Estimate reported;
   reported.hypothesis = hypothesis;
@@ -267,25 +307,40 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
   result.own_holdout = !holdout.empty();
   if (holdout.empty()) result.notes.push_back("the last 30 % of the data are the hold-out");
   options.progress("levels", 0.0);
-  const Result<Parts> parts = Split(plan, data, holdout, registry);
-  if (!parts.ok()) return parts.failure();
-  const Levels& levels = *parts->training;
   identification::SearchContext context;
   context.released = true;  // what was let go is told
   const EstimationProblem problem(plan, data, registry, holdout.empty() ? kTrainingShare : 1.0, std::move(context));
+  const Result<Plan> started = identification::FitStarts(problem, plan);
+  const Plan begun = started.ok() ? *started : plan;
+  const Result<Parts> parts = Split(begun, data, holdout, registry);
+  if (!parts.ok()) return parts.failure();
+  const Levels& levels = *parts->training;
   const Magnitudes magnitudes = MagnitudesOf(problem);
   HeldOut given;
   for (std::size_t level = 0; level < levels.size(); ++level)
-    given.push_back(LogExcessAt(plan, *parts->held_out, level));
+    given.push_back(LogExcessAt(holdout.empty() ? begun : plan, *parts->held_out, level));
   std::vector<std::vector<HeldOut>> passes;
   int asked = 0;
   const auto ask = [&](Contestant null, bool released, const std::string& stage) -> Result<Answer> {
     const double from = 1.0 - std::pow(0.5, asked++);
+    if (!null.Holds(levels.free_run()) || !IsExact(null.levels[levels.free_run()])) {
+      if (LeavesNoise(problem, null, levels)) CountAsNoise(null, {&null, 1});
+    }
     Result<Contest> contest = Compete(std::move(null), released, levels, magnitudes, registry, [&](double share) {
       options.progress(stage, from + 0.5 * (1.0 - from) * share);
     });
     if (!contest.ok()) return contest.failure();
-    passes.push_back(HeldOutOf(*contest, *parts->held_out, given));
+    if (!ExactLevel(*contest, levels)) {
+      const Contestant* best = nullptr;
+      for (const Contestant& one : contest->contestants) {
+        if (one.Holds(levels.free_run()) &&
+            (best == nullptr ||
+             LogExcess(one.levels.back().scales, levels.data()) < LogExcess(best->levels.back().scales, levels.data())))
+          best = &one;
+      }
+      if (best != nullptr && LeavesNoise(problem, *best, levels)) CountAsNoise(*best, contest->contestants);
+    }
+    passes.push_back(HeldOutOf(*contest, *parts->held_out, given, !holdout.empty()));
     Settled settled = Settle(*contest, levels, passes.back(), LeastOf(passes, levels.size()));
     result.journal.insert(result.journal.end(), settled.journal.begin(), settled.journal.end());
     JournalEntry looked{"first look",
@@ -322,14 +377,14 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
     }
   };
   Result<Answer> answer =
-      ask(NullOf(plan, false, levels, registry), false, "candidates, nominal values on their priors");
+      ask(NullOf(begun, false, levels, registry), false, "candidates, nominal values on their priors");
   if (!answer.ok()) return answer.failure();
   Result<Answer> first = answer;
   extend(first);
   if (first->settled.exact) answer = first;
   // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
   if (!answer->settled.exact) {
-    Result<Answer> released = ask(NullOf(plan, true, levels, registry), true, "candidates, nominal values released");
+    Result<Answer> released = ask(NullOf(begun, true, levels, registry), true, "candidates, nominal values released");
     if (released.ok()) {
       if (!released->settled.exact)
         answer->settled = Settle(answer->contest, levels, passes[0], LeastOf(passes, levels.size()));

@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "diagnosis/policy.h"
-#include "estimation/encompassing.h"
+#include "diagnosis/weights.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-using estimation::Comparison;
 using estimation::Estimate;
 using estimation::Weight;
 
@@ -39,40 +38,6 @@ bool NamesSomething(const Contestant& one, std::size_t level) {
   }
   return acts;
 }
-
-/// All models against each other at one level.
-class Weights {
- public:
-  Weights(const Contest& contest, const Levels& levels, std::size_t level) {
-    const Contestant* leader = nullptr;
-    for (const Contestant& one : contest.contestants) {
-      left_out_.push_back(one.Holds(level)
-                              ? estimation::LeaveBlocksOut(one.levels[level], levels.data(), one.hypothesis)
-                              : Eigen::VectorXd());
-      if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
-                                                        LogExcess(leader->levels[level].scales, levels.data())))
-        leader = &one;
-    }
-    for (std::size_t a = 0; a < left_out_.size(); ++a) {
-      weights_.emplace_back(left_out_.size());
-      for (std::size_t b = 0; b < left_out_.size(); ++b) {
-        if (a != b && left_out_[a].size() > 0 && left_out_[b].size() > 0)
-          weights_[a][b] =
-              estimation::Encompassing(left_out_[a], left_out_[b], levels.data(), leader->levels[level].scales);
-      }
-    }
-  }
-
-  /// Nothing where one of both has no estimate here.
-  const std::optional<Weight>& Of(std::size_t a, std::size_t b) const { return weights_[a][b]; }
-  bool Beats(std::size_t a, std::size_t b) const {
-    return weights_[a][b] && estimation::Compare(*weights_[a][b]) == Comparison::kFirst;
-  }
-
- private:
-  std::vector<Eigen::VectorXd> left_out_;
-  std::vector<std::vector<std::optional<Weight>>> weights_;
-};
 
 /// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.
 template <class Beats>
@@ -145,7 +110,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   if (const std::optional<std::size_t> level = ExactLevel(contest, levels)) {
     settled.exact = true;
     settled.level = *level;
-    const Weights weights(contest, levels, *level);
+    const Weights weights(contest.contestants, levels, *level);
     std::vector<std::size_t> standing;
     for (std::size_t i = 1; i < all.size(); ++i) {
       if (!all[i].Holds(*level)) continue;
@@ -184,7 +149,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   settled.level = levels.corrected();
   std::vector<std::optional<Weights>> weights(levels.size());
   for (std::size_t level = contest.first; level < levels.size(); ++level)
-    weights[level].emplace(contest, levels, level);
+    weights[level].emplace(contest.contestants, levels, level);
   const auto beats = [&](std::size_t a, std::size_t b) {
     bool wins = false;
     for (std::size_t level = contest.first; level < levels.size(); ++level) {

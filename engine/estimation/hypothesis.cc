@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiment/drive_by_record.h"
+
 namespace dynoproof::estimation {
 namespace {
 
@@ -71,6 +73,22 @@ Hypothesis Hypothesis::WithNominalValues(const Registry& registry, bool released
       parameter.upper = known.relative ? std::max(value->number() / kReleased, value->number() * kReleased) : far;
       if (!(parameter.lower < parameter.upper)) continue;
     }
+    more.Insert(more.parameters_.size(), std::move(parameter), value->number());
+  }
+  return more;
+}
+
+Hypothesis Hypothesis::WithStartFree(std::size_t record, const Registry& registry) const {
+  Hypothesis more = *this;
+  const PlantTraits& plant = registry.PlantOf(nominal_);
+  if (!plant.nuisances) return more;
+  for (const NuisanceParameter& known : plant.nuisances(nominal_)) {
+    const std::string path = StartOfRecord(record) + "." + known.path;
+    const Value* value = nominal_.root.FindPath(path);
+    if (!known.initial || value == nullptr || !value->is_number()) continue;
+    Parameter parameter{path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-5, 1e-3};
+    parameter.lower = parameter.ValueAt(-kBound);
+    parameter.upper = parameter.ValueAt(kBound);
     more.Insert(more.parameters_.size(), std::move(parameter), value->number());
   }
   return more;

@@ -29,6 +29,9 @@ class Hypothesis {
   /// The same without priors, anywhere within a decade: a model that was fitted without its missing effect has swallowed it,
   /// and gives it back only when it is let go.
   Hypothesis WithNominalValuesReleased(const Registry& registry) const;
+  /// Where a record starts, in the numbers that its plant declares for that, as far as the plan holds them for it
+  /// (StartOfRecord()): each with its prior.
+  Hypothesis WithStartFree(std::size_t record, const Registry& registry) const;
   /// A number of the plan, by its dotted path.
   Hypothesis WithFree(Parameter parameter) const;
   /// An effect on top. The number that it scales, if any, is not free any more. Starts and sizes are those of its first

@@ -6,6 +6,7 @@
 
 #include "base/subnormals.h"
 #include "estimation/sensor_chain.h"
+#include "experiment/drive_by_record.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 
@@ -77,12 +78,15 @@ class Corrections {
   Corrections(const Observer& observer, const BuiltRun& run) : observer_(observer), run_(run) {}
 
   Correction& For(const std::vector<int>& modes) {
+    if (last_ != nullptr && run_.rig->modes == 0) return *last_;
     std::unique_ptr<Correction>& own = by_modes_[modes];
     if (own == nullptr) own = run_.solver->MakeCorrection(observer_.GainsFor(*run_.rig, modes));
-    return *own;
+    last_ = own.get();
+    return *last_;
   }
 
  private:
+  Correction* last_ = nullptr;
   const Observer& observer_;
   const BuiltRun& run_;
   std::map<std::vector<int>, std::unique_ptr<Correction>> by_modes_;
@@ -100,20 +104,27 @@ double StepOf(const MappedRecord& record) {
 Predictor::Predictor(const DataSet& data, const LinearModel& model, const Registry& registry,
                      std::optional<double> memory_s, std::shared_ptr<mechanics::Decompositions> decompositions)
     : data_(&data), model_(&model), registry_(&registry), decompositions_(std::move(decompositions)) {
-  if (!memory_s || model.part.basis.cols() == 0) return;
-  VectorXd noise(std::ssize(model.outputs));
-  for (Index j = 0; j < noise.size(); ++j)
-    noise[j] = std::ranges::find(data.channels(), model.outputs[static_cast<std::size_t>(j)], &Channel::name)->noise;
-  observer_.emplace(model, noise, StepOf(data.records().front()), *memory_s);
+  observer_ = ObserverOf(memory_s);
 }
 
-Predictor::Predictor(const Predictor& lead, double until_s)
+Predictor::Predictor(const Predictor& lead, double until_s, std::optional<double> memory_s)
     : data_(lead.data_),
       model_(lead.model_),
       registry_(lead.registry_),
-      observer_(lead.observer_),
-      until_s_(until_s),
-      decompositions_(lead.decompositions_) {}
+      leads_(lead.leads_),
+      decompositions_(lead.decompositions_) {
+  leads_.push_back({lead.observer_, until_s});
+  observer_ = ObserverOf(memory_s);
+}
+
+std::optional<Observer> Predictor::ObserverOf(std::optional<double> memory_s) const {
+  if (!memory_s || model_->part.basis.cols() == 0) return std::nullopt;
+  VectorXd noise(std::ssize(model_->outputs));
+  for (Index j = 0; j < noise.size(); ++j)
+    noise[j] =
+        std::ranges::find(data_->channels(), model_->outputs[static_cast<std::size_t>(j)], &Channel::name)->noise;
+  return Observer(*model_, noise, StepOf(data_->records().front()), *memory_s);
+}
 
 Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innovations) const {
   const FlushSubnormals flush;
@@ -136,10 +147,12 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
   }
   Simulation simulation(rig, *run.solver);
   if (Status failed = simulation.Start()) return failed;
-  std::optional<Corrections> corrections;
-  if (observer_) corrections.emplace(*observer_, run);
-  const bool regimes = rig.modes > 0;
-  Correction* correction = corrections ? &corrections->For(simulation.frame().modes) : nullptr;
+  auto lead = leads_.begin();
+  std::unique_ptr<Corrections> corrections;
+  const auto correct_by = [&](const std::optional<Observer>& observer) {
+    corrections = observer ? std::make_unique<Corrections>(*observer, run) : nullptr;
+  };
+  correct_by(lead != leads_.end() ? lead->observer : observer_);
   std::vector<double> errors(count);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const auto k = static_cast<std::size_t>(step);
@@ -149,10 +162,11 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
       predicted[j][k] = free_run() ? simulation.OutputSample(lines[j])
                                    : simulation.frame().signals[static_cast<std::size_t>(sensors[j].chain().end())];
     if (step == rig.steps) break;
-    if (correction != nullptr && static_cast<double>(step) * period_s < until_s_) {
-      if (regimes) correction = &corrections->For(simulation.frame().modes);
+    for (; lead != leads_.end() && !(static_cast<double>(step) * period_s < lead->until_s); ++lead)
+      correct_by(std::next(lead) != leads_.end() ? std::next(lead)->observer : observer_);
+    if (corrections) {
       for (std::size_t j = 0; j < count; ++j) errors[j] = sensors[j].At(simulation.frame(), k);
-      simulation.Correct(*correction, errors);
+      simulation.Correct(corrections->For(simulation.frame().modes), errors);
     }
     if (Status failed = simulation.Integrate()) return failed;
   }
@@ -170,7 +184,8 @@ Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innova
 Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
   VectorXd innovations(data_->measured().size());
   for (std::size_t r = 0; r < data_->records().size(); ++r) {
-    const Result<BuiltRun> run = BuildRun(plan, data_->records()[r], *registry_, decompositions_.get());
+    const Result<BuiltRun> run =
+        BuildRun(StartingInto(plan, r), data_->records()[r], *registry_, decompositions_.get());
     if (!run.ok()) return run.failure();
     ++simulations_;
     if (Status failed = RunBeside(*run, r, innovations)) return *failed;
@@ -180,7 +195,8 @@ Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
 }
 
 bool Predictor::IsRough(const Plan& plan) const {
-  const Result<BuiltRun> run = BuildRun(plan, data_->records().front(), *registry_, decompositions_.get());
+  const Result<BuiltRun> run =
+      BuildRun(StartingInto(plan, 0), data_->records().front(), *registry_, decompositions_.get());
   return run.ok() && run->rig->guards > 0;
 }
 
@@ -189,7 +205,9 @@ VectorXd Predictor::NoiseAlone(const Plan& plan) const {
   for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
   if (free_run()) return alone;
   const MappedRecord& record = data_->records().front();
-  const auto built = [&](const Plan& one) { return BuildRun(one, record, *registry_, decompositions_.get()); };
+  const auto built = [&](const Plan& one) {
+    return BuildRun(StartingInto(one, 0), record, *registry_, decompositions_.get());
+  };
   const Result<BuiltRun> whole = built(plan);
   const Result<BuiltRun> bare = whole.ok() && HasSensors(plan) ? built(WithoutSensors(plan)) : Failure{};
   const Result<LinearModel> own = whole.ok() ? model_->Reduced(*whole, bare.ok() ? *bare : *whole) : Failure{};

@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <atomic>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,16 +23,15 @@ class Predictor {
   /// the registry and the model outlive the predictor. `decompositions`: shared by all predictors of a search.
   Predictor(const DataSet& data, const LinearModel& model, const Registry& registry, std::optional<double> memory_s,
             std::shared_ptr<mechanics::Decompositions> decompositions);
-  /// A free run that starts where one with `lead`'s correction has come to at `until_s`: of records that begin in motion.
-  Predictor(const Predictor& lead, double until_s);
+  /// The same from where one with `lead`'s correction has come to at `until_s`: of records that begin in motion.
+  Predictor(const Predictor& lead, double until_s, std::optional<double> memory_s);
 
   const DataSet& data() const { return *data_; }
   /// In the order of the observer's columns.
   const std::vector<std::string>& outputs() const { return model_->outputs; }
-  /// Nothing where this is a free run from its first sample.
+  /// That of the rows that are compared. Nothing where these are those of a free run.
   const std::optional<Observer>& observer() const { return observer_; }
-  /// Whether all rows that are compared are those of a free run.
-  bool free_run() const { return !observer_ || until_s_ < std::numeric_limits<double>::infinity(); }
+  bool free_run() const { return !observer_; }
 
   /// Innovations e = measured - predicted, by row [rows]: before the row's own sample corrects. `plan`: of the same machine
   /// as the nominal one. Fails where the plan cannot be built or a run breaks.
@@ -49,13 +47,20 @@ class Predictor {
   std::int64_t simulations() const { return simulations_.load(); }
 
  private:
+  /// Corrects the beginning of a record, where nothing is compared.
+  struct Lead {
+    std::optional<Observer> observer;
+    double until_s;
+  };
+
+  std::optional<Observer> ObserverOf(std::optional<double> memory_s) const;
   Status RunBeside(const BuiltRun& run, std::size_t record, Eigen::VectorXd& innovations) const;
 
   const DataSet* data_;
   const LinearModel* model_;
   const Registry* registry_;
+  std::vector<Lead> leads_;  // one after the other
   std::optional<Observer> observer_;
-  double until_s_ = std::numeric_limits<double>::infinity();  // of the correction
   std::shared_ptr<mechanics::Decompositions> decompositions_;
   mutable std::atomic<std::int64_t> simulations_ = 0;
 };

@@ -201,6 +201,16 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
   run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - kOnTick)) * clock_s);
 }
 
+std::string StartOfRecord(std::size_t record) { return fmt::format("start_of_record.{}", record); }
+
+Plan StartingInto(const Plan& plan, std::size_t record) {
+  const Value* start = plan.root.FindPath(StartOfRecord(record));
+  Plan own = plan;
+  own.root.Erase("start_of_record");
+  if (start != nullptr) MergeInto(own.root, *start);
+  return own;
+}
+
 std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
   // A scenario's duration and period are those of its experiment. A record that lasts hundreds of times as long, in steps
   // as much longer, is another one, or in milliseconds.

@@ -23,6 +23,12 @@ MappedRecord OntoClock(MappedRecord data, const Plan& plan);
 /// second order of the period.
 void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records);
 
+/// Where a plan holds the start of record `record` alone, to be laid over it: "start_of_record.0", with "plant..." in it.
+std::string StartOfRecord(std::size_t record);
+
+/// The plan as it starts into one record: with what it holds for that one alone.
+Plan StartingInto(const Plan& plan, std::size_t record);
+
 /// Why the record has nothing to do with the time scales of the scenario, e.g. milliseconds taken as seconds; or "".
 std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan);
 

@@ -134,12 +134,13 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
   const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   std::vector<std::unique_ptr<Predictor>> levels;
-  for (const double memory_s : memories)
-    levels.push_back(std::make_unique<Predictor>(compared, *model, registry, memory_s, known));
-  if (in_motion)
-    levels.push_back(std::make_unique<Predictor>(*levels.front(), lead_in_s));
-  else
-    levels.push_back(std::make_unique<Predictor>(compared, *model, registry, std::nullopt, known));
+  const auto add = [&](std::optional<double> memory_s) {
+    levels.push_back(in_motion && !levels.empty()
+                         ? std::make_unique<Predictor>(*levels.front(), lead_in_s, memory_s)
+                         : std::make_unique<Predictor>(compared, *model, registry, memory_s, known));
+  };
+  for (const double memory_s : memories) add(memory_s);
+  add(std::nullopt);
   std::vector<const Predictor*> order;
   for (const auto& level : levels) order.push_back(level.get());
   // From the nominal values, and from others until one ends at the noise.

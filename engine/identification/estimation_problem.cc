@@ -47,15 +47,6 @@ Result<std::unique_ptr<Prepared>> Drive(Plan plan, const MappedRecord& record, c
       diagnostics.items().empty() ? "the plan cannot be built" : diagnostics.items().front().message, id, {}, 2};
 }
 
-/// The plan as it starts into one record: with what it holds for that one alone.
-Plan StartingInto(const Plan& plan, std::size_t record) {
-  const Value* start = plan.root.FindPath(StartOfRecord(record));
-  Plan own = plan;
-  own.root.Erase("start_of_record");
-  if (start != nullptr) MergeInto(own.root, *start);
-  return own;
-}
-
 /// The simulated output at the measured time stamps; between ticks the straight line.
 void SampleInto(const Samples& samples, const std::vector<double>& simulated, const std::vector<double>& time,
                 double period_s, Eigen::Ref<Eigen::VectorXd> into) {
@@ -71,8 +62,6 @@ void SampleInto(const Samples& samples, const std::vector<double>& simulated, co
 }
 
 }  // namespace
-
-std::string StartOfRecord(std::size_t record) { return fmt::format("start_of_record.{}", record); }
 
 void CutRecord(MappedRecord& record, double until) {
   record.end_s *= until;

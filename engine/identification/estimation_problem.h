@@ -43,9 +43,6 @@ struct Channel {
   Eigen::Index begin = 0, count = 0;
 };
 
-/// Where the plan holds the start of record `record` alone, to be laid over it: "start_of_record.0.plant...".
-std::string StartOfRecord(std::size_t record);
-
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "experiment/drive_by_record.h"
 #include "identification/noise_model.h"
 
 namespace dynoproof::identification {

@@ -35,15 +35,16 @@ Plan AsBuilt(Plan plan) {
   return plan;
 }
 
-Diagnosis DiagnosisOf(const Plan& truth, double noise) {
+Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool in_motion = false) {
   const Plan plan = Scenario(kScenario, {"run.duration_s=0.5"});
   DiagnoseOptions options;
   const fs::path folder = fs::temp_directory_path() / ("corrected_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   options.out = folder.string();
   options.scenario_file = kScenario;
-  const Result<Diagnosis> result =
-      DiagnoseCorrected(plan, {RecordOf(truth, noise, {"T_shaft", "omega_1"})}, {}, testing::BuiltIns(), options);
+  MappedRecord record = RecordOf(truth, noise, {"T_shaft", "omega_1"}, 5, pole);
+  record.in_motion = in_motion;
+  const Result<Diagnosis> result = DiagnoseCorrected(plan, {record}, {}, testing::BuiltIns(), options);
   EXPECT_TRUE(result.ok()) << result.failure().ToString();
   fs::remove_all(folder);
   return result.ok() ? *result : Diagnosis();
@@ -56,6 +57,14 @@ TEST(SlowCorrected, NamesNothingWhereNothingIsHidden) {
   EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason;
   EXPECT_TRUE(found.effects.empty());
   EXPECT_TRUE(found.at_noise_floor);
+}
+
+TEST(SlowCorrected, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
+  Plan turning = AsBuilt(Nominal());
+  turning.root["plant"]["initial_speed_rad_per_s"] = Value(2.3);
+  const Diagnosis found = DiagnosisOf(turning, 0.01, 0.9, true);
+  EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason << "\n" << ToText(found.journal);
+  EXPECT_TRUE(found.effects.empty());
 }
 
 TEST(SlowCorrected, NamesADelayOfACommandAndNotOfASensor) {

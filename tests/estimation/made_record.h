@@ -46,9 +46,10 @@ inline Plan WithEffect(Plan plan, const std::string& effect, const std::string& 
   return plan;
 }
 
-/// The run of a plan as a record of these outputs with white noise of `share` of each output's spread.
+/// The run of a plan as a record of these outputs with noise of `share` of each output's spread: white, or of a first-order lag
+/// with this pole.
 inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<std::string>& outputs,
-                             std::uint64_t seed = 5) {
+                             std::uint64_t seed = 5, double pole = 0.0) {
   const std::unique_ptr<Rig> rig = testing::RigOf(plan);
   const Samples samples = testing::RunRig(*rig, "realtime");
   MappedRecord record;
@@ -60,7 +61,11 @@ inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<s
     if (std::find(outputs.begin(), outputs.end(), name) == outputs.end()) continue;
     std::vector<double> values = samples.outputs[j];
     const double sigma = share * score::StandardDeviation(values);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(seed, j, i);
+    double noise = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      noise = pole * noise + std::sqrt(1.0 - pole * pole) * RandomNormal(seed, j, i);
+      values[i] += sigma * noise;
+    }
     record.outputs[name] = {time, std::make_shared<const std::vector<double>>(std::move(values))};
   }
   record.end_s = samples.time.back();

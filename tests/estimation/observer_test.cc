@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "estimation/estimator.h"
 #include "estimation/predictor.h"
+#include "experiment/drive_by_record.h"
 #include "tests/estimation/four_masses.h"
 #include "tests/estimation/made_record.h"
 
@@ -85,6 +88,46 @@ TEST(Predictor, WithoutCorrectionIsTheFreeRun) {
   const Result<Eigen::VectorXd> rows = free.Innovations(plan);
   ASSERT_TRUE(rows.ok());
   EXPECT_EQ(rows->cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(Predictor, ALedRunHasForgottenWhereItStarted) {
+  const Plan plan = FourMasses(0.3);
+  Plan moving = plan;
+  moving.root["plant"]["initial_speed_rad_per_s"] = Value(3.0);
+  const DataSet data({RecordOf(moving, 0.0, {"T_shaft", "omega_1"})}, plan, {.from_s = 0.2});
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Predictor strong(data, *model, testing::BuiltIns(), 0.01, nullptr);
+  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr), led(strong, 0.2, std::nullopt),
+      in_steps(Predictor(strong, 0.1, 0.03), 0.2, std::nullopt), weak(strong, 0.2, 10.0);
+  const auto speed_off = [&](const Predictor& predictor) {
+    const Channel& speed = *std::ranges::find(data.channels(), "omega_1", &Channel::name);
+    return predictor.Innovations(plan)->segment(speed.begin, speed.count).cwiseAbs().maxCoeff();
+  };
+  EXPECT_NEAR(speed_off(free), 3.0, 1e-9);
+  for (const Predictor* one : {&led, &in_steps, &weak}) {
+    EXPECT_LT(speed_off(*one), 1e-3);  // e^-20 of it, and what the slower modes still know
+    EXPECT_EQ(one->free_run(), one != &weak);
+  }
+}
+
+TEST(Hypothesis, TheStartOfARecordIsAParameter) {
+  Plan plan = FourMasses(0.3);
+  Plan moving = plan;
+  moving.root["plant"]["initial_speed_rad_per_s"] = Value(3.0);
+  EXPECT_TRUE(Hypothesis(plan).WithStartFree(0, testing::BuiltIns()).parameters().empty()) << "none in the plan";
+  plan.root["start_of_record"]["0"]["plant"]["initial_speed_rad_per_s"] = Value(2.5);
+  const Hypothesis hypothesis = Hypothesis(plan).WithStartFree(0, testing::BuiltIns());
+  ASSERT_EQ(hypothesis.parameters().size(), 1u);
+  const DataSet data({RecordOf(moving, 0.01, {"T_shaft", "omega_1"})}, plan);
+  const Result<LinearModel> model = LinearModel::Of(StartingInto(plan, 0), data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr);
+  const Estimate fit = Fit(hypothesis, free, hypothesis.start());
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  const double deviation = std::sqrt(Sandwich(fit, data, hypothesis)(0, 0)) * hypothesis.parameters()[0].scale;
+  EXPECT_NEAR(hypothesis.parameters()[0].ValueAt(fit.q[0]), 3.0, 4.0 * deviation);
+  EXPECT_LT(deviation, 0.01);
 }
 
 TEST(Predictor, OfALinearModelIsAKalmanFilter) {

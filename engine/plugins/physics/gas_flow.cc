@@ -51,6 +51,7 @@ double FlowFunctionDeviation(double kappa) {
 double OrificeFlow(const Gas& gas, double area, double from, double to) {
   const double up = std::max(from, to), down = std::max(0.0, std::min(from, to));
   if (!(up > down)) return std::isnan(from) || std::isnan(to) ? std::nan("") : 0.0;
+  if (area == 0.0) return 0.0;  // a leak that is none
   double flow;
   if (gas.isentropic) {
     flow =

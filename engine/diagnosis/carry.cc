@@ -1,0 +1,175 @@
+#include "diagnosis/carry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/weights.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using estimation::ChannelScale;
+using estimation::Estimate;
+using estimation::Fit;
+using estimation::Hypothesis;
+
+/// Where a fit begins at a level: where the level before has come to, or at the null's values of this level, whichever leaves
+/// less. Where both are worse than the null itself, it begins there, with an effect that does next to nothing.
+VectorXd BestStart(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                   const VectorXd& from) {
+  if (!null.Holds(level)) return from;
+  const Hypothesis& hypothesis = contestant.hypothesis;
+  const auto own = static_cast<Index>(hypothesis.of_effects());
+  const auto excess = [&](const VectorXd& q) {
+    const Result<VectorXd> rows = levels[level].Innovations(hypothesis.At(q));
+    if (!rows.ok()) return std::numeric_limits<double>::infinity();
+    VectorXd noise(std::ssize(levels.data().channels()));
+    for (Index c = 0; c < noise.size(); ++c)
+      noise[c] = null.levels[level].scales[static_cast<std::size_t>(c)].noise_alone;
+    return LogExcess(estimation::ScalesOf(levels.data(), *rows, noise), levels.data());
+  };
+  VectorXd here = StartFrom(hypothesis, null.hypothesis, null.levels[level].q);
+  const auto count = static_cast<Index>(contestant.effect().info().parameters.size());
+  here.segment(own - count, count) = from.segment(own - count, count);
+  const double of_from = excess(from), of_here = excess(here);
+  if (std::min(of_from, of_here) <= LogExcess(null.levels[level].scales, levels.data()))
+    return of_from <= of_here ? from : here;
+  constexpr double kNextToNothing = 0.01;  // of where it was
+  for (Index i = own - count; i < own; ++i) {
+    const estimation::Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
+    if (!parameter.neutral) continue;
+    const double neutral = parameter.CoordinateOf(*parameter.neutral);
+    here[i] = neutral + kNextToNothing * (from[i] - neutral);
+  }
+  return here;
+}
+
+/// At one level: with the null's columns as far as they lead, then with its own.
+Estimate FitWith(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                 const VectorXd& from) {
+  VectorXd near = BestStart(contestant, null, levels, level, from);
+  if (null.Holds(level)) {
+    const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+    const Estimate rough = Fit(contestant.hypothesis, levels[level], near,
+                               {.iterations = 10, .renewals = 2, .near = true, .known = known});
+    if (rough.ok()) near = rough.q;
+  }
+  return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near, {.renewals = 6, .near = true}));
+}
+
+/// Whether a model may be exact where its run is corrected less: it is near the noise here.
+bool NearTheNoise(const Estimate& estimate) {
+  constexpr double kNear = 3.0;
+  return std::ranges::all_of(estimate.scales,
+                             [](const ChannelScale& one) { return one.rms <= kNear * one.noise_alone; });
+}
+
+/// Once more from the values that another model has found, where that ends lower.
+void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& null, const Levels& levels,
+             std::size_t level) {
+  constexpr double kWorth = 1e-3;  // of the logarithm of the excess
+  if (!other.Holds(level)) return;
+  VectorXd from = StartFrom(contestant.hypothesis, other.hypothesis, other.levels[level].q);
+  const auto own = static_cast<Index>(contestant.hypothesis.of_effects());
+  if (contestant.Holds(level)) from.head(own) = contestant.levels[level].q.head(own);
+  // Its own columns do for a few steps; only what ends lower is worth new ones.
+  const bool known = contestant.Holds(level);
+  const estimation::KnownColumns own_columns{&contestant.hypothesis, known ? &contestant.levels[level] : nullptr};
+  Estimate again = AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], from,
+          {.iterations = 8, .renewals = 1, .near = true, .known = known ? std::optional(own_columns) : std::nullopt}));
+  const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
+  if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
+  if (known)
+    again = AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], again.q, {.renewals = 6, .near = true}));
+  if (again.ok()) contestant.levels[level] = std::move(again);
+}
+
+/// Why nobody follows a contestant beyond a level; empty: it is followed.
+std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t first,
+                                std::size_t level) {
+  std::vector<std::string> why(contestants.size());
+  const Contestant& null = contestants.front();
+  const auto share = [&](const Contestant& one, std::size_t at) {
+    return one.Holds(at) && null.Holds(at) ? ShareOf(one, null, levels, at) : -std::numeric_limits<double>::infinity();
+  };
+  double most = 0.0;
+  for (const Contestant& one : contestants) most = std::max(most, share(one, level));
+  const bool found = level > 0 && std::ranges::any_of(contestants, [&](const Contestant& one) {
+                       return one.Holds(level) && IsExact(one.levels[level]);
+                     });
+  std::optional<Weights> weights;
+  if (found) weights.emplace(contestants, levels, level);
+  for (std::size_t i = 1; i < contestants.size(); ++i) {
+    const Contestant& one = contestants[i];
+    double own = -std::numeric_limits<double>::infinity();
+    for (std::size_t at = first; at <= level; ++at) own = std::max(own, share(one, at));
+    if (level > first && most >= policy::kMost && own < policy::kLittle)
+      why[i] = fmt::format("removes next to nothing up to {}", levels.Name(level));
+    if (!found || !one.Holds(level) || IsExact(one.levels[level])) continue;
+    for (std::size_t k = 0; k < contestants.size(); ++k) {
+      if (contestants[k].Holds(level) && IsExact(contestants[k].levels[level]) && weights->Beats(k, i))
+        why[i] = fmt::format("beaten at {} by {}, which leaves nothing but noise", levels.Name(level),
+                             contestants[k].Name());
+    }
+  }
+  return why;
+}
+
+}  // namespace
+
+void Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t first,
+           const std::function<void(double)>& progress) {
+  std::vector<VectorXd> from;
+  for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
+  std::vector<std::string> left(contestants.size());
+  for (std::size_t level = first; level < levels.size(); ++level) {
+    // Memories beyond the record's length lead to the exact minimum of the free run: only a model that is near the noise
+    // before has one.
+    const bool between = level > levels.longest() && level < levels.free_run();
+    const std::size_t before = std::min(levels.longest(), level);
+    const auto follows = [&](std::size_t i) {
+      const Contestant& own = contestants[i];
+      return left[i].empty() && !(between && own.Holds(before) && !NearTheNoise(own.levels[before]));
+    };
+    const Contestant null = contestants.front();
+    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+      if (i == 0) return;
+      Contestant& own = contestants[i];
+      if (follows(i))
+        own.levels[level] = FitWith(own, null, levels, level, from[i]);
+      else
+        own.levels[level].broken = left[i].empty() ? "far from the noise before" : left[i];
+    });
+    const Contestant* leader = nullptr;
+    for (const Contestant& one : contestants) {
+      if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
+                                                        LogExcess(leader->levels[level].scales, levels.data())))
+        leader = &one;
+    }
+    if (leader != nullptr) {
+      ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+        Contestant& own = contestants[i];
+        if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);
+      });
+    }
+    for (std::size_t i = 1; i < contestants.size(); ++i) {
+      if (contestants[i].Holds(level)) from[i] = contestants[i].levels[level].q;
+    }
+    std::vector<std::string> now = LeftAt(contestants, levels, first, level);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (left[i].empty()) left[i] = std::move(now[i]);
+    }
+    progress(static_cast<double>(level - first + 1) / static_cast<double>(levels.size() - first));
+  }
+}
+
+}  // namespace dynoproof::diagnosis

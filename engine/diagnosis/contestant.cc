@@ -1,0 +1,88 @@
+#include "diagnosis/contestant.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/policy.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using estimation::Channel;
+using estimation::ChannelScale;
+using estimation::DataSet;
+using estimation::Estimate;
+using estimation::Hypothesis;
+
+/// Standard error of a channel's power, of itself.
+double PowerError(const ChannelScale& scale, const Channel& channel) {
+  return std::sqrt(2.0 * scale.correlation / static_cast<double>(std::max<Index>(1, channel.count)));
+}
+
+}  // namespace
+
+bool IsExact(const Estimate& estimate) {
+  return std::ranges::all_of(
+      estimate.scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });
+}
+
+bool HasExcess(const Estimate& estimate, const DataSet& data) {
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
+    const ChannelScale& scale = estimate.scales[c];
+    const double excess = std::pow(scale.rms / scale.noise_alone, 2) - 1.0;
+    if (excess > std::min(policy::kExcess, policy::kExcessErrors * PowerError(scale, data.channels()[c]))) return true;
+  }
+  return false;
+}
+
+double LogExcess(const std::vector<ChannelScale>& scales, const DataSet& data) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < scales.size(); ++c) {
+    const double noise = std::pow(scales[c].noise_alone, 2), power = std::pow(scales[c].rms, 2);
+    const double seen = std::max(policy::kNoiseKnown, 2.0 * PowerError(scales[c], data.channels()[c]));
+    sum += std::log(std::max(power - noise, seen * noise));
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, scales.size()));
+}
+
+double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
+  return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
+                        LogExcess(null.levels[level].scales, levels.data()));
+}
+
+VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q) {
+  VectorXd start = hypothesis.start();
+  for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
+    const auto same =
+        std::ranges::find(other.parameters(), hypothesis.parameters()[i].name, &estimation::Parameter::name);
+    if (same != other.parameters().end()) start[static_cast<Index>(i)] = q[same - other.parameters().begin()];
+  }
+  return start;
+}
+
+Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) {
+  if (!estimate.ok() || !null.Holds(level)) return estimate;
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
+    double& own = estimate.scales[c].noise_alone;
+    const double of_null = null.levels[level].scales[c].noise_alone;
+    own = null.coloured ? std::max(own, of_null) : std::min(own, of_null);
+  }
+  return estimate;
+}
+
+void CountAsNoise(Contestant one, std::span<Contestant> all) {
+  for (Contestant& other : all) {
+    other.coloured = true;
+    for (std::size_t level = 0; level < other.levels.size(); ++level) {
+      if (!one.Holds(level) || !other.Holds(level)) continue;
+      for (std::size_t c = 0; c < one.levels[level].scales.size(); ++c) {
+        double& noise = other.levels[level].scales[c].noise_alone;
+        noise = std::max(noise, one.levels[level].scales[c].rms);
+      }
+    }
+  }
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,52 @@
+// A model that is fitted level by level, and how much it leaves.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "diagnosis/levels.h"
+#include "estimation/estimator.h"
+
+namespace dynoproof::diagnosis {
+
+/// A model and what it was fitted to at each level.
+struct Contestant {
+  explicit Contestant(estimation::Hypothesis model) : hypothesis(std::move(model)) {}
+
+  estimation::Hypothesis hypothesis;
+  std::vector<estimation::Estimate> levels;  // not fitted, or broken: not ok()
+  double share = 0.0;                        // of the null's excess that it removes at a first look
+  bool coloured = false;                     // what it leaves is noise by all tests, though more than differences tell
+
+  /// The effect that came last; there is none in the nominal model.
+  const Effect& effect() const { return *hypothesis.effects().back().effect; }
+  const Place& place() const { return hypothesis.effects().back().place; }
+  std::string Name() const { return hypothesis.Name(); }
+  bool Holds(std::size_t level) const { return level < levels.size() && levels[level].ok(); }
+};
+
+/// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
+bool IsExact(const estimation::Estimate& estimate);
+/// Whether they are larger by so much that an effect may show: a fifth of the noise's power, or five standard errors.
+bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& data);
+/// Mean over channels of the logarithm of the power beyond what noise alone causes. A channel that shows none beside the noise
+/// counts with as much as could be seen there.
+double LogExcess(const std::vector<estimation::ChannelScale>& scales, const estimation::DataSet& data);
+
+/// The share of the null's excess that a model removes at a level where both hold.
+double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
+
+/// The coordinates of an estimate as a start for a hypothesis of the same machine: its own numbers by their names, the rest as
+/// the hypothesis starts.
+Eigen::VectorXd StartFrom(const estimation::Hypothesis& hypothesis, const estimation::Hypothesis& other,
+                          const Eigen::VectorXd& q);
+
+/// A hypothesis whose own loop is louder than the null's may not excuse what it leaves with that. Where the null leaves coloured
+/// noise, noise alone is that.
+estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimation::Estimate estimate);
+
+/// From now on, of all of them, noise alone is at each level at least what this one leaves there, which is noise of some colour.
+void CountAsNoise(Contestant one, std::span<Contestant> all);
+
+}  // namespace dynoproof::diagnosis

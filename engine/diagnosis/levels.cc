@@ -1,0 +1,74 @@
+#include "diagnosis/levels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "diagnosis/policy.h"
+#include "experiment/drive_by_record.h"
+
+namespace dynoproof::diagnosis {
+
+using Eigen::Index;
+using estimation::DataSet;
+using estimation::LinearModel;
+using estimation::Predictor;
+
+Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
+                                           const Registry& registry, double compared_from_s, Index most_rows,
+                                           const Levels* like, double most_s) {
+  std::unique_ptr<Levels> levels(new Levels());
+  const DataSet whole(records, plan);
+  const Result<LinearModel> model = LinearModel::Of(StartingInto(plan, 0), whole.records().front(), registry);
+  if (!model.ok()) return model.failure();
+  levels->model_ = *model;
+  const double duration_s = std::min(whole.records().front().end_s, most_s);
+  const double memory_s = estimation::MemoryFor(*model, duration_s);
+  double from_s = compared_from_s;
+  const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
+  if (!(from_s > 0.0) && in_motion) from_s = estimation::LeadInOf(policy::kLonger * memory_s, duration_s);
+  levels->data_ = std::make_unique<DataSet>(
+      records, plan, DataSet::Options{.from_s = from_s, .most_s = most_s, .most_rows = most_rows});
+  const auto known = std::make_shared<mechanics::Decompositions>();
+  if (like != nullptr) {
+    levels->memories_s_ = like->memories_s_;
+    levels->corrected_ = like->corrected_;
+    levels->longest_ = like->longest_;
+  } else {
+    // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
+    for (double memory = memory_s; levels->memories_s_.empty() || memory < policy::kLongest * duration_s;
+         memory *= policy::kLonger) {
+      const std::size_t level = levels->memories_s_.size();
+      if (memory < policy::kMostOfRecord * duration_s) levels->longest_ = level;
+      levels->corrected_ = std::min<std::size_t>(levels->longest_, 1);
+      levels->memories_s_.push_back(memory);
+    }
+  }
+  // A free run that is compared later begins where the shortest memory has come to. A record in motion leads every run in:
+  // the shortest memory finds its start, the next one averages what noise has made of that, for it stays in a free run.
+  auto& all = levels->predictors_;
+  std::vector<std::optional<double>> memories(levels->memories_s_.begin(), levels->memories_s_.end());
+  memories.push_back(std::nullopt);
+  for (const std::optional<double>& memory : memories) {
+    const bool led = !all.empty() && (in_motion || (!memory && from_s > 0.0));
+    if (led && in_motion && all.size() == 1 && memory)
+      all.push_back(std::make_unique<Predictor>(*all[0], estimation::LeadInOf(memory_s, duration_s), memory));
+    else if (led)
+      all.push_back(std::make_unique<Predictor>(*all[in_motion && all.size() > 1 ? 1 : 0], from_s, memory));
+    else
+      all.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
+  }
+  return levels;
+}
+
+std::string Levels::Name(std::size_t level) const {
+  return level == free_run() ? "free run" : fmt::format("memory {:.3g} s", predictors_[level]->observer()->memory_s());
+}
+
+std::int64_t Levels::simulations() const {
+  std::int64_t sum = 0;
+  for (const auto& predictor : predictors_) sum += predictor->simulations();
+  return sum;
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,46 @@
+// The data of a diagnosis, and the ways in which models are run beside them. METHOD of the estimator: engine/estimation/METHOD.md.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/predictor.h"
+#include "model/registry.h"
+
+namespace dynoproof::diagnosis {
+
+/// The levels at which models are run beside a data set, the most corrected first; the last one is the free run.
+class Levels {
+ public:
+  /// `compared_from_s`: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
+  /// record in motion from where its start has been forgotten. Fails where the plan cannot be run.
+  /// `like`: with the same memories as these, not those that suit the records. `most_s`: of each record.
+  static Result<std::unique_ptr<Levels>> Of(const Plan& plan, const std::vector<MappedRecord>& records,
+                                            const Registry& registry, double compared_from_s, Eigen::Index most_rows,
+                                            const Levels* like = nullptr, double most_s = 1e300);
+
+  const estimation::DataSet& data() const { return *data_; }
+  std::size_t size() const { return predictors_.size(); }
+  const estimation::Predictor& operator[](std::size_t level) const { return *predictors_[level]; }
+  std::size_t free_run() const { return size() - 1; }
+  /// The second memory, or the first where that is not well below the record's length: long enough for what accumulates to
+  /// show, short enough for forces that no model has.
+  std::size_t corrected() const { return corrected_; }
+  /// The longest memory that is well below the record's length, or the first.
+  std::size_t longest() const { return longest_; }
+  /// "memory 0.025 s", "free run".
+  std::string Name(std::size_t level) const;
+  std::int64_t simulations() const;
+
+ private:
+  Levels() = default;
+  std::unique_ptr<estimation::DataSet> data_;
+  estimation::LinearModel model_;
+  std::vector<double> memories_s_;
+  std::vector<std::unique_ptr<estimation::Predictor>> predictors_;
+  std::size_t corrected_ = 0, longest_ = 0;
+};
+
+}  // namespace dynoproof::diagnosis
