@@ -37,6 +37,9 @@ FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 # Sources without a header of their own name, and where what they give is declared.
 DECLARED_ELSEWHERE = {
     "engine/app/main.cc": "nothing but main()",
+    "engine/linear/dense_eigenvalues.cc": "linear/dense.h: one header, but what compiles long side by side",
+    "engine/linear/dense_exponential.cc": "linear/dense.h",
+    "engine/linear/dense_svd.cc": "linear/dense.h",
     "engine/plugins/register_all.cc": "model/registry.h: RegisterBuiltIns()",
     "engine/sim/realtime_solver.cc": "sim/solver.h: one of two implementations",
     "engine/sim/reference_solver.cc": "sim/solver.h: the other one",

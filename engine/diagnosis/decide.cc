@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/policy.h"
+#include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
 
@@ -50,7 +51,7 @@ std::vector<double> CrossValidate(const EstimationProblem& problem, const Estima
     Eigen::MatrixXd scaled = scale.asDiagonal() * outside * scale.asDiagonal();
     scaled.diagonal().array() += 1e-10;
     const Eigen::VectorXd shift =
-        p > 0 ? Eigen::VectorXd(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right)) : right;
+        p > 0 ? Eigen::VectorXd(scale.asDiagonal() * dense::SolveLdlt(scaled, scale.asDiagonal() * right)) : right;
     each([&](Eigen::Index begin, Eigen::Index count) {
       Eigen::VectorXd error = white.segment(begin, count);
       if (p > 0) error += jacobian.middleRows(begin, count) * shift;

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "diagnosis/candidates.h"
+#include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -86,7 +87,7 @@ class Screen {
     for (Index i = 0; i < H.rows(); ++i) {
       if (null.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) H(i, i) += 1.0;
     }
-    inverse_ = H.completeOrthogonalDecomposition().pseudoInverse();
+    inverse_ = dense::PseudoInverse(H);
   }
 
   Signature Of(const Hypothesis& hypothesis, const VectorXd& q) const {

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "identification/noise_model.h"
+#include "linear/dense.h"
 #include "score/align.h"
 #include "score/nrmse.h"
 
@@ -236,7 +237,7 @@ class Look {
       Eigen::MatrixXd gram = used.transpose() * used;
       gram.diagonal().array() *= 1.0 + 1e-9;
       gram.diagonal().array() += 1e-12;
-      const Eigen::VectorXd alpha = gram.ldlt().solve(used.transpose() * error);
+      const Eigen::VectorXd alpha = dense::SolveLdlt(gram, used.transpose() * error);
       gain = 2.0 * alpha.dot(used.transpose() * error) - (used * alpha).squaredNorm();
       column = 0;
       std::optional<std::size_t> out;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "linear/dense.h"
+
 namespace dynoproof::estimation {
 
 using Eigen::Index;
@@ -25,7 +27,7 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
       others -= J.middleRows(rows.begin, rows.count).transpose() * J.middleRows(rows.begin, rows.count);
       score += J.middleRows(rows.begin, rows.count).transpose() * estimate.weighted.segment(rows.begin, rows.count);
     }
-    const VectorXd step = others.completeOrthogonalDecomposition().solve(score);
+    const VectorXd step = dense::LeastSquares(others, score);
     for (const Block::Rows& rows : block.rows)
       left.segment(rows.begin, rows.count) += J.middleRows(rows.begin, rows.count) * step;
   }

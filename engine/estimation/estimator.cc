@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "linear/dense.h"
+
 namespace dynoproof::estimation {
 namespace {
 
@@ -216,7 +218,7 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
   if (free.empty()) return 0.0;
   const Eigen::MatrixXd own = columns(Eigen::all, free);
   const VectorXd slope = gradient(free);
-  return slope.dot((own.transpose() * own).completeOrthogonalDecomposition().solve(slope));
+  return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
 }
 
 /// Levenberg-Marquardt within the bounds. Says why it failed; empty: it did not.
@@ -347,7 +349,7 @@ Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hy
     }
     meat += score * score.transpose();
   }
-  const Eigen::MatrixXd inverse = hessian.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd inverse = dense::PseudoInverse(hessian);
   return inverse * meat * inverse;
 }
 

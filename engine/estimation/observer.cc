@@ -1,6 +1,5 @@
 #include "estimation/observer.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +9,7 @@
 
 #include "base/subnormals.h"
 #include "estimation/sensor_chain.h"
+#include "linear/dense.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 
@@ -215,7 +215,7 @@ std::vector<int> OutputsOf(const Rig& rig, const std::vector<std::string>& names
 /// Slowest time constant of x+ = L x, in periods; infinite where it does not forget.
 double SlowestOf(const MatrixXd& L) {
   double largest = 0.0;
-  for (const auto& value : L.eigenvalues()) largest = std::max(largest, std::abs(value));
+  for (const auto& value : dense::Eigenvalues(L)) largest = std::max(largest, std::abs(value));
   if (!(largest < 1.0)) return std::numeric_limits<double>::infinity();
   return largest > 0.0 ? -1.0 / std::log(largest) : 0.0;
 }
@@ -441,7 +441,7 @@ double MemoryFor(const LinearModel& model, double duration_s) {
   constexpr double kFewestSteps = 10.0, kMostOfRecord = 0.1;
   double period_s = 0.0, slowest_s = 0.0, forgets_s = 0.0;
   if (!model.regimes.empty() && model.part.basis.cols() > 0) {
-    for (const std::complex<double>& value : model.regimes.front().A.eigenvalues()) {
+    for (const std::complex<double>& value : dense::Eigenvalues(model.regimes.front().A)) {
       const double turn = std::abs(std::arg(value)), decay = -std::log(std::abs(value));
       const double constant_s = decay > 0.0 ? model.period_s / decay : std::numeric_limits<double>::infinity();
       forgets_s = std::max(forgets_s, constant_s);

@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "estimation/estimator.h"
+#include "linear/dense.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -82,7 +83,7 @@ void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<estim
     result.values.push_back(std::move(one));
   }
   result.covariance = slope.asDiagonal() * estimation::Sandwich(fit, data, hypothesis) * slope.asDiagonal();
-  const Eigen::VectorXd singular = fit.jacobian.jacobiSvd().singularValues();
+  const Eigen::VectorXd singular = dense::SingularValues(fit.jacobian);
   result.singular.assign(singular.begin(), singular.end());
 }
 

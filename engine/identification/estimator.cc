@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "identification/coordinates.h"
 #include "identification/finite_difference.h"
+#include "linear/dense.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -390,11 +391,10 @@ void Estimator::Derive(Estimate& fit) const {
   // Scaled before it is inverted: parameters differ by ten decades. What the data do not see keeps a huge variance.
   Eigen::VectorXd scale = information.diagonal().array().max(1e-300).rsqrt();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const Eigen::VectorXd inverse = eigen.eigenvalues().array().max(1e-14).inverse();
-  fit.covariance = scale.asDiagonal() *
-                   (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
-                   scale.asDiagonal();
+  const dense::SymmetricEigen eigen = dense::Symmetric(scaled);
+  const Eigen::VectorXd inverse = eigen.values.array().max(1e-14).inverse();
+  fit.covariance =
+      scale.asDiagonal() * (eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose()) * scale.asDiagonal();
 }
 
 Estimate Converged(const EstimationProblem& problem, Estimate fit) {

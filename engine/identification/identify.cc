@@ -14,6 +14,7 @@
 #include "identification/corrected_fit.h"
 #include "identification/estimator.h"
 #include "identification/suspects.h"
+#include "linear/dense.h"
 #include "scenario/load.h"
 
 namespace dynoproof::identification {
@@ -48,22 +49,22 @@ Eigen::MatrixXd Sandwich(const Objective& objective, const Optimum& at, const Ei
 
 /// What the Jacobian at the optimum tells: adds to singular values and keys not told apart, returns (J'J)^-1.
 Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(at.jacobian.transpose() * at.jacobian, Eigen::ComputeFullV);
-  Eigen::VectorXd inverse_values = svd.singularValues();
+  const dense::Svd svd = dense::JacobiSvd(at.jacobian.transpose() * at.jacobian);
+  Eigen::VectorXd inverse_values = svd.values;
   // What a change of 100 % moves by less than a tenth of the noise (all samples together) is not seen.
   const double unseen = 0.01 * at.error.squaredNorm() / static_cast<double>(at.error.size());
   for (Eigen::Index k = 0; k < inverse_values.size(); ++k) {
-    const double value = svd.singularValues()[k];
+    const double value = svd.values[k];
     result.singular.push_back(std::sqrt(value));
-    inverse_values[k] = value > 0.0 ? 1.0 / std::max(value, 1e-15 * svd.singularValues()[0]) : 0.0;
-    if (value > 1e-9 * svd.singularValues()[0] && value > unseen) continue;
+    inverse_values[k] = value > 0.0 ? 1.0 / std::max(value, 1e-15 * svd.values[0]) : 0.0;
+    if (value > 1e-9 * svd.values[0] && value > unseen) continue;
     std::vector<std::string> set;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (std::abs(svd.matrixV()(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(axes[i].key);
+      if (std::abs(svd.V(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(axes[i].key);
     }
     result.alike.push_back(set);
   }
-  return svd.matrixV() * inverse_values.asDiagonal() * svd.matrixV().transpose();
+  return svd.V * inverse_values.asDiagonal() * svd.V.transpose();
 }
 
 void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {

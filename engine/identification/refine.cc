@@ -10,6 +10,7 @@
 #include "identification/coordinates.h"
 #include "identification/estimator.h"
 #include "identification/finite_difference.h"
+#include "linear/dense.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -127,7 +128,7 @@ class JointCost : public ceres::CostFunction {
     // The damping that the search has just used follows from the step itself: (J'J + lambda I) step = -J'r.
     curvature.diagonal().array() += std::max(0.0, -(slope + curvature * step).dot(step) / step.squaredNorm());
     const Eigen::VectorXd missed = (near->residual - base_.residual - kShare * jacobian_ * step) / (kShare * kShare);
-    const Eigen::VectorXd bend = -curvature.ldlt().solve(jacobian_.transpose() * missed);
+    const Eigen::VectorXd bend = -dense::SolveLdlt(curvature, jacobian_.transpose() * missed);
     if (!(bend.norm() < kMostBent * step.norm())) return std::nullopt;
     return Simulated(Inside(base_.x + step + bend));
   }

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "identification/noise_model.h"
+#include "linear/dense.h"
 #include "score/series.h"
 
 namespace dynoproof::identification {
@@ -130,7 +131,7 @@ std::vector<Structure> FindStructure(const EstimationProblem& problem, const Eig
       gram = scale.asDiagonal() * gram * scale.asDiagonal();
       gram.diagonal().array() += 1e-9;  // collinear features (an input never negative and its magnitude)
       const Eigen::VectorXd solution =
-          scale.asDiagonal() * gram.ldlt().solve(scale.asDiagonal() * (x.transpose() * target));
+          scale.asDiagonal() * dense::SolveLdlt(gram, scale.asDiagonal() * (x.transpose() * target));
       return target - x * solution;
     };
     const Eigen::VectorXd alone = solve(past);

@@ -12,6 +12,7 @@
 #include "experiment/prepare.h"
 #include "identification/noise_model.h"
 #include "identification/step_spectrum.h"
+#include "linear/dense.h"
 #include "linear/symmetric_eigen.h"
 #include "score/peaks.h"
 #include "score/response.h"
@@ -159,7 +160,7 @@ std::complex<double> ResponseAt(const mechanics::TransferFunction& model, double
   const std::complex<double> s(0.0, 2.0 * std::numbers::pi * hz);
   Eigen::MatrixXcd matrix = network.StiffnessMatrix() + s * network.DampingMatrix();
   matrix.diagonal() += s * s * network.Inertias();
-  const Eigen::VectorXcd angles = matrix.partialPivLu().solve(model.input().cast<std::complex<double>>());
+  const Eigen::VectorXcd angles = dense::ComplexSolve(matrix, model.input().cast<std::complex<double>>());
   const int index = model.output().index;
   if (model.output().kind == mechanics::OutputKind::kAngle) return angles[index];
   if (model.output().kind == mechanics::OutputKind::kSpeed) return s * angles[index];

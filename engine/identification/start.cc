@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "experiment/drive_by_record.h"
 #include "identification/noise_model.h"
+#include "linear/dense.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -90,7 +91,7 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
     }
     const Eigen::VectorXd error = (own.measured() - *before).cwiseProduct(weight);
     // What the record does not show stays at its nominal value: the smallest of all solutions.
-    const Eigen::VectorXd z = slopes.completeOrthogonalDecomposition().solve(error);
+    const Eigen::VectorXd z = dense::LeastSquares(slopes, error);
     for (std::size_t k = 0; k < starts.size(); ++k)
       Write(plan, StartOfRecord(r) + "." + starts[k]->path,
             values[k] + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);

@@ -1,15 +1,15 @@
 #include "linear/block_diagonal.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "linear/block_cascade.h"
 #include "linear/block_newton.h"
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 namespace {
@@ -59,10 +59,10 @@ bool CascadeSchur(const MatrixXd& A, MatrixXd& Q, MatrixXd& S) {
       S(first, first) = ordered(first, first);
       continue;
     }
-    const Eigen::RealSchur<MatrixXd> schur(MatrixXd(ordered.block(first, first, size, size)));
-    if (schur.info() != Eigen::Success) return false;
-    vectors.block(first, first, size, size) = schur.matrixU();
-    S.block(first, first, size, size) = schur.matrixT();
+    const std::optional<dense::RealSchur> schur = dense::Schur(ordered.block(first, first, size, size));
+    if (!schur) return false;
+    vectors.block(first, first, size, size) = schur->U;
+    S.block(first, first, size, size) = schur->T;
   }
   for (int s = 0; s < sets; ++s) {
     const int row = cascade.starts[s], rows = cascade.starts[s + 1] - row;
@@ -136,7 +136,7 @@ bool TryDecouple(const MatrixXd& S, double bound, Clusters& clusters, MatrixXd& 
 
 double SmallestEigenvalue(const MatrixXd& M) {
   if (M.rows() == 1) return std::abs(M(0, 0));
-  return M.eigenvalues().cwiseAbs().minCoeff();
+  return dense::Eigenvalues(M).cwiseAbs().minCoeff();
 }
 
 /// Collects the clusters as columns of T (balanced coordinates) with their blocks.
@@ -166,10 +166,9 @@ void Assemble(const MatrixXd& Q, const Clusters& clusters, const MatrixXd& Y, co
     if (size == 1) {
       item.columns /= item.columns.norm();
     } else {
-      const Eigen::HouseholderQR<MatrixXd> qr(item.columns);
-      const MatrixXd R = qr.matrixQR().topRows(size).triangularView<Eigen::Upper>();
-      item.block = R * item.block * R.inverse();
-      item.columns = qr.householderQ() * MatrixXd::Identity(n, size);
+      dense::ThinQr qr = dense::Qr(item.columns);
+      item.block = qr.R * item.block * dense::Inverse(qr.R);
+      item.columns = std::move(qr.Q);
       if (size == 2 && StandardPair(item.block, W, pair)) {
         item.columns = item.columns * W;
         item.block = pair;
@@ -193,10 +192,9 @@ void Assemble(const MatrixXd& Q, const Clusters& clusters, const MatrixXd& Y, co
     form.blocks.push_back({first, size, item.kind == 0, item.frequency});
     first += size;
   }
-  form.T_inverse = form.T.partialPivLu().inverse();
+  form.T_inverse = dense::Inverse(form.T);
   // Squaring costs half the digits: still exact enough around the limit of 1e6 (1e12 of 1e16).
-  const VectorXd squares =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(form.T.transpose() * form.T, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd squares = dense::SymmetricValues(form.T.transpose() * form.T);
   form.condition = squares[0] > 0.0 ? std::sqrt(squares[n - 1] / squares[0]) : std::numeric_limits<double>::infinity();
 }
 
@@ -205,7 +203,7 @@ void Assemble(const MatrixXd& Q, const Clusters& clusters, const MatrixXd& Y, co
 void Refine(const MatrixXd& A, BlockDiagonal& form) {
   // Between repeated eigenvalues a correction is undetermined and not needed: only small ones are taken.
   NewtonStep<long double>(A, 1e-4, form);
-  form.T_inverse = form.T.partialPivLu().inverse();
+  form.T_inverse = dense::Inverse(form.T);
 }
 
 BlockDiagonal Dense(const MatrixXd& A, double condition) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "linear/dense.h"
 #include "linear/matrix_product.h"
 
 namespace dynoproof::mechanics {
@@ -194,7 +195,7 @@ MatrixXd InverseBySigns(const VectorXd& signs, const BlockDiagonal& form) {
   for (const auto& block : form.blocks) {
     auto rows = left.middleRows(block.first, block.size);
     if (block.pair) rows.row(1) *= -1.0;
-    rows = ((rows * form.T.middleCols(block.first, block.size)).inverse() * rows).eval();
+    rows = (dense::Inverse(rows * form.T.middleCols(block.first, block.size)) * rows).eval();
   }
   return left;
 }

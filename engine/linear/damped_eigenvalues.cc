@@ -1,11 +1,11 @@
 #include "linear/damped_eigenvalues.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
 
+#include "linear/dense.h"
 #include "linear/forest.h"
 
 namespace dynoproof::mechanics {
@@ -65,8 +65,7 @@ DampingEstimate EstimateDamping(const Network& network, const ModalAnalysis& mod
   estimate.unreached = FreeGroups(network);
   if (modal.rigid > estimate.unreached) {
     const MatrixXd rigid = ModalDamping(network, modal.phi.leftCols(modal.rigid));
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(rigid, Eigen::EigenvaluesOnly);
-    estimate.rigid_decays = solver.eigenvalues().tail(modal.rigid - estimate.unreached);
+    estimate.rigid_decays = dense::SymmetricValues(rigid).tail(modal.rigid - estimate.unreached);
   }
   return estimate;
 }
@@ -80,16 +79,14 @@ std::vector<Complex> DenseEigenvalues(const Network& network, const ModalAnalysi
   const int n = static_cast<int>(modal.omega.size()) - estimate.unreached;
   MatrixXd basis = MatrixXd::Zero(n + estimate.unreached, n);
   if (kept > 0) {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(damping.topLeftCorner(r, r));
-    basis.topLeftCorner(r, kept) = solver.eigenvectors().rightCols(kept);
+    basis.topLeftCorner(r, kept) = dense::Symmetric(damping.topLeftCorner(r, r)).vectors.rightCols(kept);
   }
   basis.bottomRightCorner(n - kept, n - kept).setIdentity();
   reached.rigid = kept;
   reached.omega = modal.omega.tail(n);
   if (n == 0) return {};
-  const Eigen::EigenSolver<MatrixXd> solver(EnergyStateMatrix(reached, basis.transpose() * damping * basis), false);
-  if (solver.info() != Eigen::Success) return {};
-  return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
+  const Eigen::VectorXcd values = dense::Eigenvalues(EnergyStateMatrix(reached, basis.transpose() * damping * basis));
+  return {values.begin(), values.end()};
 }
 
 std::optional<std::vector<Complex>> IteratedEigenvalues(const Network& network, const ModalAnalysis& modal,

@@ -1,10 +1,9 @@
 #include "linear/discrete_equations.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 namespace {
@@ -20,11 +19,10 @@ MatrixXd Symmetric(const MatrixXd& x) { return 0.5 * (x + x.transpose()); }
 
 /// F with F F' = X, without the directions below `least` of the largest eigenvalue.
 MatrixXd SquareRoot(const MatrixXd& x, double least) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(x);
-  const VectorXd& values = solver.eigenvalues();
+  const auto [values, vectors] = dense::Symmetric(x);
   const double limit = least * std::max(values.maxCoeff(), 0.0);
   const Index kept = (values.array() > limit).count();  // ascending: the last ones
-  return solver.eigenvectors().rightCols(kept) * values.tail(kept).cwiseSqrt().asDiagonal();
+  return vectors.rightCols(kept) * values.tail(kept).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -45,7 +43,7 @@ StationaryFilter MakeStationaryFilter(const MatrixXd& A, const MatrixXd& C, cons
   const Index n = A.rows();
   MatrixXd a = A.transpose(), h = Q, g = C.transpose() * R.cwiseInverse().asDiagonal() * C;
   for (int i = 0; i < kMostDoublings; ++i) {
-    const MatrixXd w = (MatrixXd::Identity(n, n) + g * h).inverse();
+    const MatrixXd w = dense::Inverse(MatrixXd::Identity(n, n) + g * h);
     const MatrixXd aw = a * w;
     const MatrixXd added = a.transpose() * h * w * a;
     g = Symmetric(g + aw * g * a.transpose());
@@ -65,13 +63,12 @@ BalancedPart Balance(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, do
   const MatrixXd seen = SquareRoot(observability, kSeen);
   if (moved.cols() == 0 || seen.cols() == 0)
     return {MatrixXd(A.rows(), 0), MatrixXd(0, A.rows()), VectorXd::Zero(A.rows())};
-  const Eigen::JacobiSVD<MatrixXd> svd(seen.transpose() * moved, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorXd& sizes = svd.singularValues();
+  const auto [U, sizes, V] = dense::JacobiSvd(seen.transpose() * moved);
   Index kept = 0;
   while (kept < std::min<Index>(sizes.size(), most) && sizes[kept] > std::sqrt(kSeen) * sizes[0]) ++kept;
   const VectorXd inverse = sizes.head(kept).cwiseSqrt().cwiseInverse();
-  return {moved * svd.matrixV().leftCols(kept) * inverse.asDiagonal(),
-          inverse.asDiagonal() * svd.matrixU().leftCols(kept).transpose() * seen.transpose(),
+  return {moved * V.leftCols(kept) * inverse.asDiagonal(),
+          inverse.asDiagonal() * U.leftCols(kept).transpose() * seen.transpose(),
           (observability.diagonal().cwiseMax(0.0) / observability.diagonal().maxCoeff()).cwiseSqrt()};
 }
 

@@ -1,6 +1,5 @@
 #include "linear/energy_coordinates.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "linear/dense.h"
 #include "linear/matrix_product.h"
 
 namespace dynoproof::mechanics {
@@ -41,19 +41,15 @@ Status Check(const Network& network, const MatrixXd& torque_weights) {
   return std::nullopt;
 }
 
-using Svd = Eigen::BDCSVD<MatrixXd>;
-
 /// The decomposition of a network's springs. Those of large networks that were asked for last are remembered: whoever
 /// changes a damping, a load or a sensor of a machine builds its network anew, but not its modes.
-std::shared_ptr<const Svd> Decomposed(const MatrixXd& strain_of_node) {
-  const auto decompose = [&] {
-    return std::make_shared<const Svd>(strain_of_node, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  };
+std::shared_ptr<const dense::Svd> Decomposed(const MatrixXd& strain_of_node) {
+  const auto decompose = [&] { return std::make_shared<const dense::Svd>(dense::DividedSvd(strain_of_node)); };
   constexpr Eigen::Index kLarge = 20;
   if (strain_of_node.cols() < kLarge) return decompose();
   constexpr std::size_t kKept = 16;
   static std::mutex guard;
-  static std::list<std::pair<MatrixXd, std::shared_ptr<const Svd>>> known;  // last asked for first
+  static std::list<std::pair<MatrixXd, std::shared_ptr<const dense::Svd>>> known;  // last asked for first
   const auto find = [&] {
     const auto one = std::find_if(known.begin(), known.end(), [&](const auto& entry) {
       return entry.first.rows() == strain_of_node.rows() && entry.first.cols() == strain_of_node.cols() &&
@@ -66,7 +62,7 @@ std::shared_ptr<const Svd> Decomposed(const MatrixXd& strain_of_node) {
     const std::lock_guard<std::mutex> lock(guard);
     if (find()) return known.front().second;
   }
-  std::shared_ptr<const Svd> svd = decompose();  // others go on meanwhile
+  std::shared_ptr<const dense::Svd> svd = decompose();  // others go on meanwhile
   const std::lock_guard<std::mutex> lock(guard);
   if (!find()) known.emplace_front(strain_of_node, std::move(svd));
   if (known.size() > kKept) known.pop_back();
@@ -129,14 +125,14 @@ void EnergyCoordinates::FindModes() {
       strain_of_node(s, place[edge.from]) = root_stiffness / root_inertia[edge.from];
       if (edge.to != kGround) strain_of_node(s, place[edge.to]) = -root_stiffness / root_inertia[edge.to];
     }
-    const std::shared_ptr<const Svd> svd = Decomposed(strain_of_node);
+    const std::shared_ptr<const dense::Svd> svd = Decomposed(strain_of_node);
     for (int mode = modes - 1; mode >= 0; --mode) {  // singular values fall
       const int column = static_cast<int>(frequencies.size());
-      frequencies.push_back(svd->singularValues()[mode]);
-      VectorXd shape = svd->matrixV().col(mode);
+      frequencies.push_back(svd->values[mode]);
+      VectorXd shape = svd->V.col(mode);
       if (free) shape -= rigid * rigid.dot(shape);  // exactly without momentum, not to round-off only
       for (int i = 0; i < size; ++i) shapes(members[i], column) = shape[i] / root_inertia[members[i]];
-      for (std::size_t s = 0; s < springs.size(); ++s) strains(springs[s], column) = svd->matrixU()(s, mode);
+      for (std::size_t s = 0; s < springs.size(); ++s) strains(springs[s], column) = svd->U(s, mode);
     }
   }
 

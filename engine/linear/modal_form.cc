@@ -1,9 +1,10 @@
 #include "linear/modal_form.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 
@@ -72,9 +73,8 @@ ModalForm ModalForm::Keep(const std::vector<bool>& keep) const {
       continue;
     }
     assert(block.natural_frequency > 0.0);
-    const MatrixXd rest = -L.block(block.first, block.first, block.size, block.size)
-                               .partialPivLu()
-                               .solve(B.middleRows(block.first, block.size));
+    const MatrixXd rest =
+        -dense::Solve(L.block(block.first, block.first, block.size, block.size), B.middleRows(block.first, block.size));
     form.D += C.middleCols(block.first, block.size) * rest;
     form.F += P.middleCols(block.first, block.size) * rest;
     form.dropped_states += block.size;

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "linear/aligned_vector.h"
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 
@@ -20,8 +20,8 @@ struct Propagator::Coefficients {
 
 namespace {
 
+using dense::MatrixXld;
 using Eigen::MatrixXd;
-using MatrixXld = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using Complex = std::complex<long double>;
 
 /// phi_0 .. phi_3 of z = L h: phi_0 = exp, phi_k+1(z) = (phi_k(z) - 1/k!) / z. With them, for x' = L x + f:
@@ -58,7 +58,7 @@ Phis AugmentedPhis(const MatrixXld& z) {
   Matrix augmented = Matrix::Zero(4 * n, 4 * n);
   augmented.topLeftCorner(n, n) = z.cast<Scalar>();
   augmented.topRightCorner(3 * n, 3 * n) += Matrix::Identity(3 * n, 3 * n);
-  const Matrix exponential = augmented.exp();
+  const Matrix exponential = dense::Exponential(augmented);
   Phis phi;
   for (int k = 0; k < 4; ++k) phi[k] = exponential.block(0, k * n, n, n).template cast<long double>();
   return phi;

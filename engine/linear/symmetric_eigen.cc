@@ -136,25 +136,20 @@ bool Healthy(const Tridiagonal& t, const Eigen::VectorXd& values, const Eigen::M
 SymmetricEigen SolveSymmetric(const Eigen::MatrixXd& matrix) {
   if (matrix.rows() > kDirectSize) {
     const Tridiagonal t = Reduce(matrix);
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-    solver.computeFromTridiagonal(t.diagonal, t.off, Eigen::EigenvaluesOnly);
-    SymmetricEigen result{solver.eigenvalues(), {}};
+    SymmetricEigen result{dense::TridiagonalValues(t.diagonal, t.off), {}};
     result.vectors = InverseIteration(t, result.values);
     if (Healthy(t, result.values, result.vectors)) {
       if (t.reduction) result.vectors = (t.reduction->matrixQ() * result.vectors).eval();
       return result;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  return dense::Symmetric(matrix);
 }
 
 Eigen::VectorXd SymmetricValues(const Eigen::MatrixXd& matrix) {
   if (matrix.rows() == 1) return matrix.diagonal();
   const Tridiagonal t = Reduce(matrix);
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(t.diagonal, t.off, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues();
+  return dense::TridiagonalValues(t.diagonal, t.off);
 }
 
 }  // namespace dynoproof::mechanics

@@ -2,14 +2,11 @@
 // rotors give.
 #pragma once
 
-#include <Eigen/Dense>
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 
-struct SymmetricEigen {
-  Eigen::VectorXd values;   // n, rising
-  Eigen::MatrixXd vectors;  // n x n, orthonormal columns
-};
+using dense::SymmetricEigen;
 
 /// Eigen-decomposition of a symmetric matrix (only its lower triangle is read). Up to 200 rows this is Eigen's QR
 /// iteration. Beyond, accumulating the rotations dominates (2.2 s at n = 1000), so the eigenvectors come from inverse

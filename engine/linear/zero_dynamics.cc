@@ -1,9 +1,9 @@
 #include "linear/zero_dynamics.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <optional>
 
+#include "linear/dense.h"
 #include "linear/modes.h"
 #include "linear/state_space.h"
 
@@ -81,11 +81,11 @@ Status ProjectedRoots(const Network& network, const VectorXd& input, const Outpu
   if (!ZeroDynamics(system)) return Failure{"the input does not reach the output", "", {}, 2};
   roots.insert(roots.end(), static_cast<std::size_t>(at_origin), 0.0);
   if (system.a.size() == 0) return std::nullopt;
-  const Eigen::EigenSolver<MatrixXd> solver(system.a, false);
-  if (solver.info() != Eigen::Success) {
+  const Eigen::VectorXcd values = dense::Eigenvalues(system.a);
+  if (!values.allFinite()) {
     return Failure{"the eigenvalue problem of the zeros did not converge", "", {}, 3};
   }
-  for (const Complex& s : solver.eigenvalues()) {
+  for (const Complex& s : values) {
     if (s.imag() == 0.0) roots.push_back(s);
     if (s.imag() <= 0.0) continue;
     const Complex polished = Polish(*transfer, s);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "linear/check.h"
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 namespace {
@@ -155,7 +156,7 @@ MatrixXd AbsoluteToDifferential(int m) {
 MatrixXd MixedToDifferential(int m) {
   const int n = 2 * m - 1;
   const MatrixXd t = AbsoluteToDifferential(m), s = AbsoluteToMixed(m);
-  return t.bottomRows(n) * s.completeOrthogonalDecomposition().pseudoInverse();
+  return t.bottomRows(n) * dense::PseudoInverse(s);
 }
 
 MatrixXd SortAnglesFirst(int m) {

@@ -1,6 +1,6 @@
 #include "thesis/eigen_derivatives.h"
 
-#include <Eigen/Eigenvalues>
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 
@@ -19,10 +19,9 @@ ReducedModes SolveReduced(const Chain& chain) {
   const MatrixXd k = Twists(chain, {0, 0}).K;
   const VectorXd root = LeftScaling(chain).cwiseSqrt();
   const MatrixXd symmetric = root.asDiagonal() * k * root.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetric);
+  const auto [values, vectors] = dense::Symmetric(symmetric);
   // Rising lambda is falling nu: turn the order round.
-  ReducedModes modes{
-      solver.eigenvalues().reverse(), root.cwiseInverse().asDiagonal() * solver.eigenvectors().rowwise().reverse(), {}};
+  ReducedModes modes{values.reverse(), root.cwiseInverse().asDiagonal() * vectors.rowwise().reverse(), {}};
   modes.right.colwise().normalize();
   modes.gamma = (modes.right.transpose() * LeftScaling(chain).asDiagonal() * modes.right).diagonal();
   return modes;

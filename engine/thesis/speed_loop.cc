@@ -1,8 +1,9 @@
 #include "thesis/speed_loop.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+
+#include "linear/dense.h"
 
 namespace dynoproof::mechanics {
 namespace {
@@ -94,9 +95,9 @@ Result<Eigen::VectorXcd> PolynomialRoots(const VectorXd& coefficients) {
       if (companion.row(i).norm() + companion.col(i).norm() < 0.95 * (row + column)) changed = true;
     }
   }
-  const Eigen::EigenSolver<MatrixXd> solver(companion, false);
-  if (solver.info() != Eigen::Success) return Failure{"the eigenvalue iteration did not converge", "", {}, 3};
-  return Eigen::VectorXcd(solver.eigenvalues() * unit);
+  const Eigen::VectorXcd values = dense::Eigenvalues(companion);
+  if (!values.allFinite()) return Failure{"the eigenvalue iteration did not converge", "", {}, 3};
+  return Eigen::VectorXcd(values * unit);
 }
 
 VectorXd HurwitzDeterminants(const VectorXd& coefficients) {

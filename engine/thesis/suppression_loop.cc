@@ -1,11 +1,10 @@
 #include "thesis/suppression_loop.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
+#include "linear/dense.h"
 #include "linear/modal_form.h"
 
 namespace dynoproof {
@@ -57,7 +56,7 @@ Result<SampledPlant> Sample(const SuppressionPlant& plant) {
   Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(n + 1, n + 1);
   rates.topLeftCorner(n, n) = system.A;
   rates.col(n).head(n) = system.B.col(0);
-  const Eigen::MatrixXd propagated = (rates * kPeriod_s).exp();
+  const Eigen::MatrixXd propagated = dense::Exponential(Eigen::MatrixXd(rates * kPeriod_s));
   return SampledPlant{propagated.topLeftCorner(n, n), propagated.col(n).head(n), system.C.row(0)};
 }
 
@@ -178,10 +177,10 @@ Result<std::vector<FilteredLoopMode>> FilteredLoopModes(const SuppressionPlant& 
     for (Eigen::Index i = 1; i < d; ++i) step(n + f + i, n + f + i - 1) = 1.0;
     step.col(size - 1).head(n) += sampled->g;
   }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(step, false);
-  if (solver.info() != Eigen::Success) return Failure{"the loop's eigenvalue problem did not converge", "", {}, 3};
+  const Eigen::VectorXcd values = dense::Eigenvalues(step);
+  if (!values.allFinite()) return Failure{"the loop's eigenvalue problem did not converge", "", {}, 3};
   std::vector<FilteredLoopMode> modes;
-  for (const std::complex<double>& z : solver.eigenvalues()) {
+  for (const std::complex<double>& z : values) {
     if (z.imag() <= 0.0) continue;
     const std::complex<double> s = std::log(z) / kPeriod_s;
     modes.push_back({s.imag() / (2.0 * std::numbers::pi), s.real()});

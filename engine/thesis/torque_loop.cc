@@ -1,11 +1,10 @@
 #include "thesis/torque_loop.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
+#include "linear/dense.h"
 #include "linear/frequency_response.h"
 #include "linear/modes.h"
 #include "linear/state_space.h"
@@ -33,7 +32,7 @@ Result<std::vector<LoopMode>> TorqueLoopModes(const Network& network, const Eige
   rates.col(n).head(n) = plant.b;
   rates(n, n) = -1.0 / loop.tau_a;
   rates(n, n + 1) = 1.0 / loop.tau_a;
-  const MatrixXd propagated = (rates * loop.period_s).exp();
+  const MatrixXd propagated = dense::Exponential(MatrixXd(rates * loop.period_s));
   const MatrixXd step = propagated.topLeftCorner(n + 1, n + 1);
   const Eigen::VectorXd held = propagated.col(n + 1).head(n + 1);
 
@@ -49,10 +48,10 @@ Result<std::vector<LoopMode>> TorqueLoopModes(const Network& network, const Eige
     period.row(n + 1).head(n + 1) = shaft_torque;
     for (Eigen::Index i = 1; i < delay; ++i) period(n + 1 + i, n + i) = 1.0;
   }
-  const Eigen::EigenSolver<MatrixXd> solver(period, false);
-  if (solver.info() != Eigen::Success) return Failure{"the loop's eigenvalue problem did not converge", "", {}, 3};
+  const Eigen::VectorXcd values = dense::Eigenvalues(period);
+  if (!values.allFinite()) return Failure{"the loop's eigenvalue problem did not converge", "", {}, 3};
   std::vector<LoopMode> modes;
-  for (const std::complex<double>& z : solver.eigenvalues()) {
+  for (const std::complex<double>& z : values) {
     if (z.imag() < 0.0 || z == 0.0) continue;
     const std::complex<double> s = std::log(z) / loop.period_s;
     modes.push_back({s.imag() / (2.0 * std::numbers::pi), s.real(), z});

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "diagnosis/policy.h"
+#include "linear/dense.h"
 #include "tests/identification/line_record.h"
 #include "tests/identification/lumped_line.h"
 
@@ -62,7 +63,7 @@ class WhiteRecords : public LumpedLine {
   /// Least squares of `columns` to what the nominal model leaves, as a fit of one effect with as many parameters.
   Estimate FitOf(const Eigen::VectorXd& left, const Eigen::MatrixXd& columns) const {
     Estimate fit;
-    const Eigen::VectorXd size = columns.householderQr().solve(left);
+    const Eigen::VectorXd size = dense::LeastSquares(columns, left);
     fit.hypothesis.effects = {{registry_.FindEffect("constant_load"), *ParsePlace("inertia:I4"),
                                std::vector<double>(static_cast<std::size_t>(columns.cols()), 0.0)}};
     const Eigen::VectorXd rest = left - columns * size;

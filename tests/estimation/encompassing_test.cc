@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "linear/dense.h"
 #include "tests/estimation/four_masses.h"
 #include "tests/estimation/made_record.h"
 
@@ -30,7 +31,7 @@ TEST(LeaveBlocksOut, IsWhatRefittingGives) {
   X.col(0).setOnes();
   X.col(1) = Noise(1, n);
   const Eigen::VectorXd y = X * Eigen::Vector2d(0.4, -1.3) + Noise(2, n);
-  const Eigen::Vector2d b = X.colPivHouseholderQr().solve(y);
+  const Eigen::Vector2d b = dense::LeastSquares(X, y);
   Plan plan = FourMasses(0.2);
   Hypothesis two(plan);
   for (const char* name : {"plant.inertia.I1", "plant.inertia.I2"}) {
@@ -53,7 +54,7 @@ TEST(LeaveBlocksOut, IsWhatRefittingGives) {
     others.middleRows(rows.begin, rows.count).setZero();
     target.segment(rows.begin, rows.count).setZero();
   }
-  const Eigen::Vector2d refitted = others.colPivHouseholderQr().solve(target);
+  const Eigen::Vector2d refitted = dense::LeastSquares(others, target);
   for (const Block::Rows& rows : blocks[7].rows) {
     const Eigen::VectorXd truth = y.segment(rows.begin, rows.count) - X.middleRows(rows.begin, rows.count) * refitted;
     EXPECT_LT((left.segment(rows.begin, rows.count) - truth).cwiseAbs().maxCoeff(), 1e-10);

@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
+
+#include "linear/dense.h"
 
 namespace dynoproof::identification {
 
@@ -62,7 +63,7 @@ inline Rows RunThreeMasses(const std::vector<double>& torque, double step_s) {
       kK1 / kI2, -kK2 / kI2, kC1 / kI2, -(kC1 + kC2) / kI2, kC2 / kI2,     //
       0, kK2 / kI3, 0, kC2 / kI3, -kC2 / kI3;
   both(2, 5) = 1.0 / kI1;
-  const Eigen::Matrix<double, 6, 6> step = (both * step_s).exp();
+  const Eigen::Matrix<double, 6, 6> step = dense::Exponential(Eigen::MatrixXd(both * step_s));
   Eigen::Vector<double, 6> x = Eigen::Vector<double, 6>::Zero();
   Rows rows;
   for (std::size_t i = 0; i < torque.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "linear/block_cascade.h"
 #include "linear/block_newton.h"
 #include "linear/decompositions.h"
+#include "linear/dense.h"
 #include "linear/energy_coordinates.h"
 #include "tests/support/plants.h"
 
@@ -79,7 +80,7 @@ TEST(BlockDiagonal, ANetworksPairsAreFoundWithoutASchurForm) {
   ASSERT_TRUE(near);
   ExpectDecomposes(A, *near);
   // The eigenvalues by another way; each to its last bits, though they span five decades.
-  Eigen::VectorXcd other = A.eigenvalues();
+  Eigen::VectorXcd other = dense::Eigenvalues(A);
   for (const auto& block : near->blocks) {
     const std::complex<double> own(near->L(block.first, block.first),
                                    block.pair ? near->L(block.first, block.first + 1) : 0.0);
@@ -220,8 +221,7 @@ TEST(BlockDiagonal, WhatCannotBeSeparatedFallsBackToDenseAndSaysSo) {
   for (int i = 0; i + 1 < n; ++i) A(i, i + 1) = 100.0;
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  const MatrixXd turn =
-      Eigen::HouseholderQR<MatrixXd>(MatrixXd::NullaryExpr(n, n, [&] { return normal(random); })).householderQ();
+  const MatrixXd turn = dense::Qr(MatrixXd::NullaryExpr(n, n, [&] { return normal(random); })).Q;
   A = turn * A * turn.transpose();
   const BlockDiagonal form = BlockDiagonalise(A);
   EXPECT_TRUE(form.dense_fallback);

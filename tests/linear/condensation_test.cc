@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "linear/dense.h"
 #include "linear/energy_coordinates.h"
 #include "linear/modal_form.h"
 #include "tests/support/plants.h"
@@ -37,7 +38,7 @@ LinearSystem Chain() {
 VectorXd GainAt(const LinearSystem& system, double hz) {
   const std::complex<double> s(0.0, kHz * hz);
   const MatrixXcd resolvent = s * MatrixXcd::Identity(system.states(), system.states()) - system.A;
-  const Eigen::VectorXcd x = resolvent.partialPivLu().solve(system.B.col(0).cast<std::complex<double>>());
+  const Eigen::VectorXcd x = dense::ComplexSolve(resolvent, system.B.col(0).cast<std::complex<double>>());
   return (system.C.cast<std::complex<double>>() * x + system.D.col(0).cast<std::complex<double>>()).cwiseAbs();
 }
 

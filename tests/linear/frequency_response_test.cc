@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "linear/dense.h"
 #include "linear/modes.h"
 #include "tests/linear/plants.h"
 
@@ -61,7 +62,7 @@ TEST(TransferFunction, MeshSolvesTheEquationsOfMotion) {
     const Complex s(0.0, kTwoPi * f);
     const Eigen::MatrixXcd q = s * s * Eigen::MatrixXd(network.Inertias().asDiagonal()).cast<Complex>() +
                                s * network.DampingMatrix().cast<Complex>() + network.StiffnessMatrix().cast<Complex>();
-    const Eigen::VectorXcd phi = q.fullPivLu().solve(input.cast<Complex>().eval());
+    const Eigen::VectorXcd phi = dense::ComplexSolve(q, input.cast<Complex>());
     const Complex torque = (network.edges[4].stiffness + s * network.edges[4].damping) * (phi[1] - phi[4]);
     EXPECT_LT(std::abs(transfer.At(s) / torque - 1.0), 1e-9);  // the direct solution subtracts angles
   }

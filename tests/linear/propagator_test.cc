@@ -9,6 +9,7 @@
 
 #include "base/subnormals.h"
 #include "linear/aligned_vector.h"
+#include "linear/dense.h"
 #include "linear/energy_coordinates.h"
 #include "tests/support/held_reference.h"
 #include "tests/support/plants.h"
@@ -90,7 +91,7 @@ Network OpenGap() {
 /// An actuator's lag, then the overdamped two-mass plant; its pole at `factor` times the plant's faster one.
 LinearSystem LagBeforePlant(double factor) {
   const LinearSystem plant = NetworkSystem(TwoMasses(1000.0), Eigen::Vector2d(1.0, 0.0));
-  const double pole = plant.A.eigenvalues().real().minCoeff() * factor;
+  const double pole = dense::Eigenvalues(plant.A).real().minCoeff() * factor;
   const int n = plant.states();
   LinearSystem system = plant;
   system.A = MatrixXd::Zero(n + 1, n + 1);

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "linear/dense.h"
 #include "linear/network.h"
 #include "tests/support/build.h"
 #include "tests/support/plan_builder.h"
@@ -46,7 +47,7 @@ Eigen::VectorXd FrequenciesOf(const Plan& plan) {
   const mechanics::Network& network = *plant->network();
   const Eigen::VectorXd root = network.Inertias().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = root.asDiagonal() * network.StiffnessMatrix() * root.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return dense::SymmetricValues(scaled).cwiseMax(0.0).cwiseSqrt();
 }
 
 TEST(LoadEffects, SitOnInertiasAndWholeRotors) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 
+#include "linear/dense.h"
 #include "sim/solver.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
@@ -38,9 +39,9 @@ class ClosedSolution {
   ClosedSolution(long double k_s, long double kappa, long double K) : k_s_(k_s), kappa_(kappa), K_(K) {
     const long double m = 1.0L / kA + 1.0L / kB;
     const long double c2 = kappa, c1 = m * (k_s + K), c0 = m * k_s * kappa;
-    Eigen::Matrix3d companion;
+    Eigen::MatrixXd companion(3, 3);
     companion << 0, 0, -static_cast<double>(c0), 1, 0, -static_cast<double>(c1), 0, 1, -static_cast<double>(c2);
-    const Eigen::Vector3cd start = companion.eigenvalues();
+    const Eigen::VectorXcd start = dense::Eigenvalues(companion);
     for (int i = 0; i < 3; ++i) {
       Complex s(start[i].real(), start[i].imag());
       for (int step = 0; step < 20; ++step) {  // Newton's method in extended precision

@@ -3,14 +3,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <unsupported/Eigen/MatrixFunctions>
 
+#include "linear/dense.h"
 #include "linear/linear_system.h"
 #include "linear/network.h"
 
 namespace dynoproof::support {
 
-using MatrixXld = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+using dense::MatrixXld;
 using VectorXld = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
 /// s' = A s + B u over one interval: s+ = phi s + held u0 + ramp du, all in long double.
@@ -24,7 +24,7 @@ struct HeldReference {
     augmented.topLeftCorner(n, n) = A * h;
     augmented.block(0, n, n, m) = B * h;
     augmented.bottomRightCorner(2 * m, 2 * m).topRightCorner(m, m).setIdentity();
-    const MatrixXld exponential = augmented.exp();
+    const MatrixXld exponential = dense::Exponential(augmented);
     phi = exponential.topLeftCorner(n, n);
     held = exponential.block(0, n, n, m);
     ramp = exponential.block(0, n + m, n, m);

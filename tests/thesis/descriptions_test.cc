@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <complex>
 
+#include "linear/dense.h"
 #include "linear/modes.h"
 #include "tests/linear/plants.h"
 
@@ -28,7 +29,7 @@ Chain TwoMasses() {
 }
 
 std::vector<Complex> Eigenvalues(const MatrixXd& a) {
-  const Eigen::VectorXcd values = a.eigenvalues();
+  const Eigen::VectorXcd values = dense::Eigenvalues(a);
   return {values.begin(), values.end()};
 }
 
@@ -94,13 +95,13 @@ TEST(Descriptions, TransformationsLeadFromOneToTheOther) {
     const FirstOrder a = Absolute(chain, ports), d = Differential(chain, ports), x = Mixed(chain, ports);
     const double size = a.A.norm();
     // (2.21): upper triangular blocks, the lower right one is A_d.
-    const MatrixXd t = AbsoluteToDifferential(m), transformed = t * a.A * t.inverse();
+    const MatrixXd t = AbsoluteToDifferential(m), transformed = t * a.A * dense::Inverse(t);
     EXPECT_LT((transformed.bottomRightCorner(2 * m - 2, 2 * m - 2) - d.A).norm(), 1e-13 * size);
     EXPECT_LT(transformed.bottomLeftCorner(2 * m - 2, 2).norm(), 1e-13 * size);
     EXPECT_LT((transformed.topLeftCorner(2, 2) - (Eigen::Matrix2d() << 0, 1, 0, 0).finished()).norm(), 1e-13 * size);
     EXPECT_LT(((t * a.b).tail(2 * m - 2) - d.b).norm(), 1e-14);
     // The same from mixed: [w_1, x_d] with one zero (2.24).
-    const MatrixXd z = MixedToDifferential(m), from_mixed = z * x.A * z.inverse();
+    const MatrixXd z = MixedToDifferential(m), from_mixed = z * x.A * dense::Inverse(z);
     EXPECT_LT((from_mixed.bottomRightCorner(2 * m - 2, 2 * m - 2) - d.A).norm(), 1e-12 * size);
     EXPECT_LT(from_mixed.col(0).norm(), 1e-12 * size);
     EXPECT_LT(((z * x.b).tail(2 * m - 2) - d.b).norm(), 1e-13);
@@ -142,13 +143,13 @@ TEST(Descriptions, AllHaveTheSameTransferFunction) {
   const Complex s(-20.0, 900.0);
   const auto response = [&](const FirstOrder& f) {
     const Eigen::MatrixXcd left = s * MatrixXd::Identity(f.A.rows(), f.A.rows()).cast<Complex>() - f.A.cast<Complex>();
-    return (f.c.cast<Complex>() * left.fullPivLu().solve(f.b.cast<Complex>().eval()))(0);
+    return (f.c.cast<Complex>() * dense::ComplexSolve(left, f.b.cast<Complex>()))(0);
   };
   const auto second = [&](const SecondOrder& f) {
     const Eigen::MatrixXcd left = s * s * MatrixXd::Identity(f.K.rows(), f.K.rows()).cast<Complex>() -
                                   s * f.C.cast<Complex>() - f.K.cast<Complex>();
     return ((f.position.cast<Complex>() + s * f.rate.cast<Complex>()) *
-            left.fullPivLu().solve(f.b.cast<Complex>().eval()))(0);
+            dense::ComplexSolve(left, f.b.cast<Complex>()))(0);
   };
   const Complex reference = response(Differential(chain, ports));
   for (const Complex value : {response(Absolute(chain, ports)), response(Mixed(chain, ports)),
