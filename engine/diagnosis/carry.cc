@@ -57,11 +57,14 @@ Estimate FitWith(const Contestant& contestant, const Contestant& null, const Lev
   VectorXd near = BestStart(contestant, null, levels, level, from);
   if (null.Holds(level)) {
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-    const Estimate rough = Fit(contestant.hypothesis, levels[level], near,
-                               {.iterations = 10, .renewals = 2, .near = true, .known = known});
+    const Estimate rough =
+        Fit(contestant.hypothesis, levels[level], near,
+            {.iterations = 10, .renewals = 2, .of_excess = policy::kCarriedTo, .near = true, .known = known});
     if (rough.ok()) near = rough.q;
   }
-  return AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], near, {.renewals = 6, .near = true}));
+  return AsLoudAs(null, level,
+                  Fit(contestant.hypothesis, levels[level], near,
+                      {.renewals = 6, .points = policy::kPoints, .of_excess = policy::kCarriedTo, .near = true}));
 }
 
 /// Whether a model may be exact where its run is corrected less: it is near the noise here.
@@ -82,14 +85,19 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   // Its own columns do for a few steps; only what ends lower is worth new ones.
   const bool known = contestant.Holds(level);
   const estimation::KnownColumns own_columns{&contestant.hypothesis, known ? &contestant.levels[level] : nullptr};
-  Estimate again = AsLoudAs(
-      null, level,
-      Fit(contestant.hypothesis, levels[level], from,
-          {.iterations = 8, .renewals = 1, .near = true, .known = known ? std::optional(own_columns) : std::nullopt}));
+  Estimate again = AsLoudAs(null, level,
+                            Fit(contestant.hypothesis, levels[level], from,
+                                {.iterations = 8,
+                                 .renewals = 1,
+                                 .of_excess = policy::kCarriedTo,
+                                 .near = true,
+                                 .known = known ? std::optional(own_columns) : std::nullopt}));
   const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
   if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
   if (known)
-    again = AsLoudAs(null, level, Fit(contestant.hypothesis, levels[level], again.q, {.renewals = 6, .near = true}));
+    again = AsLoudAs(null, level,
+                     Fit(contestant.hypothesis, levels[level], again.q,
+                         {.renewals = 6, .points = policy::kPoints, .of_excess = policy::kCarriedTo, .near = true}));
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/policy.h"
 #include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
@@ -182,18 +183,20 @@ Contestant LookAt(const Trial& candidate, const Contestant& null, const Levels& 
   VectorXd best = candidate.effect->info().traits.harmonic ? HarmonicStart(candidate, screen, from)
                                                            : SizedStart(candidate, screen, from);
   const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-  contestant.levels[level] = AsLoudAs(
-      null, level,
-      Fit(candidate.hypothesis, levels[level], best, {.iterations = 6, .renewals = 1, .near = true, .known = known}));
+  contestant.levels[level] =
+      AsLoudAs(null, level,
+               Fit(candidate.hypothesis, levels[level], best,
+                   {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = known}));
   const auto share = [&](std::size_t at) { return ShareOf(contestant, null, levels, at); };
   if (contestant.Holds(level)) contestant.share = share(level), best = contestant.levels[level].q;
   // And at the next level: a strong correction leaves little of what only accumulates.
   const std::size_t next = level + 1;
   if (next < levels.size() && null.Holds(next)) {
     const estimation::KnownColumns columns{&null.hypothesis, &null.levels[next]};
-    contestant.levels[next] = AsLoudAs(null, next,
-                                       Fit(candidate.hypothesis, levels[next], best,
-                                           {.iterations = 6, .renewals = 1, .near = true, .known = columns}));
+    contestant.levels[next] =
+        AsLoudAs(null, next,
+                 Fit(candidate.hypothesis, levels[next], best,
+                     {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = columns}));
     if (contestant.Holds(next)) contestant.share = std::max(contestant.share, share(next));
   }
   return contestant;

@@ -45,6 +45,12 @@ inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
 inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
+/// Points that the fit of a candidate at a level looks at, for each parameter and one: causes that were right took three or fewer
+/// on the heavy-duty line, models that went along a valley thirty.
+inline constexpr int kPoints = 5;
+/// What a fit may still take off the excess where it ends: at a first look, and on the way through the levels. Shares decide from
+/// some hundredths on.
+inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;
 /// Where one candidate removes the one share of the excess, those that have removed no more than the other are not followed:
 /// a cause that leaves 95 % where another leaves half is none, whatever comes.
 inline constexpr double kMost = 0.5, kLittle = 0.05;

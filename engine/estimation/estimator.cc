@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -43,6 +44,7 @@ class Residual : public ceres::CostFunction {
   /// Simulates, or gives what was simulated last.
   std::optional<Point> At(const VectorXd& q) const {
     if (last_ && last_->q == q) return last_;
+    ++points_;
     const Plan plan = hypothesis_.At(q);
     Result<VectorXd> innovations = predictor_.Innovations(plan);
     if (!innovations.ok()) {
@@ -132,8 +134,21 @@ class Residual : public ceres::CostFunction {
   /// From now on Evaluate() gives these columns; empty: new ones at each point.
   void Freeze(RowMajor columns) { frozen_ = std::move(columns); }
 
+  /// What Q has about this point beyond what noise alone causes.
+  double Excess() const {
+    double excess = 0.0;
+    for (std::size_t c = 0; c < scales_.size(); ++c) {
+      const double noise = std::pow(scales_[c].noise_alone / scales_[c].rms, 2);
+      excess += static_cast<double>(predictor_.data().channels()[c].count) / scales_[c].correlation *
+                std::max(0.0, 1.0 - noise);
+    }
+    return excess;
+  }
+
   const std::vector<ChannelScale>& scales() const { return scales_; }
   const std::string& broken() const { return broken_; }
+  /// How many points were simulated.
+  std::int64_t points() const { return points_; }
   Index rows() const { return rows_; }
 
  private:
@@ -175,6 +190,7 @@ class Residual : public ceres::CostFunction {
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
   mutable std::string broken_;
+  mutable std::int64_t points_ = 0;
 };
 
 }  // namespace
@@ -221,9 +237,22 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
   return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
 }
 
+/// Ends a descent where it has looked at as many points as it may.
+class Budget : public ceres::IterationCallback {
+ public:
+  Budget(const Residual& residual, std::int64_t most) : residual_(residual), most_(most) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return residual_.points() < most_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const Residual& residual_;
+  std::int64_t most_;
+};
+
 /// Levenberg-Marquardt within the bounds. Says why it failed; empty: it did not.
-std::string Descend(const Residual& residual, const EstimatorOptions& options, const VectorXd& lower,
-                    const VectorXd& upper, double squares, VectorXd& q, Estimate& estimate) {
+std::string Descend(const Residual& residual, const EstimatorOptions& options, double converged, std::int64_t most,
+                    const VectorXd& lower, const VectorXd& upper, double squares, VectorXd& q, Estimate& estimate) {
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -235,7 +264,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, c
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = 0.1 * options.converged / squares;
+  solver.function_tolerance = 0.1 * converged / squares;
   solver.parameter_tolerance = 1e-10;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
@@ -243,6 +272,8 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, c
   solver.line_search_interpolation_type = ceres::BISECTION;
   solver.max_num_line_search_step_size_iterations = 3;
   solver.max_num_consecutive_invalid_steps = 10;
+  Budget budget(residual, most);
+  solver.callbacks.push_back(&budget);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   estimate.iterations += static_cast<int>(summary.iterations.size());
@@ -261,6 +292,8 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   RowMajor columns;
   std::optional<Point> point = residual.At(q);
   estimate.termination = "as often renewed as allowed";
+  const std::int64_t most =
+      options.points > 0 ? options.points * (1 + q.size()) : std::numeric_limits<std::int64_t>::max();
   bool fresh = !options.near;  // columns of their own for each step of the descent
   for (; point; ++estimate.renewals) {
     const std::vector<ChannelScale> old = residual.scales();
@@ -270,25 +303,26 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
     if (!std::isfinite(begun)) estimate.broken = "the innovations are not finite";
     if (!estimate.ok() || q.size() == 0) break;
     bool settled = estimate.renewals > 0 && estimate.termination == kSettled;
-    if (options.near || settled || estimate.renewals == options.renewals) {
+    if (options.near || settled || estimate.renewals == options.renewals || residual.points() >= most) {
       const std::optional<RowMajor> here = residual.ColumnsAt(*point, weighted);
       if (!here) break;
       columns = *here;
     }
+    const double converged = std::max(options.converged, options.of_excess * residual.Excess());
     if (options.near) {
-      settled = DecrementOf(columns, weighted, q, lower, upper) < options.converged;
+      settled = DecrementOf(columns, weighted, q, lower, upper) < converged;
       for (std::size_t c = 0; c < old.size(); ++c)
         settled = settled && std::abs(residual.scales()[c].rms / old[c].rms - 1.0) < kSettledScale;
       if (settled) estimate.termination = kSettled;
     }
-    if (settled || estimate.renewals == options.renewals) break;
+    if (settled || estimate.renewals == options.renewals || residual.points() >= most) break;
     // The columns of here serve for the whole descent, a simulation a step; where they lead nowhere, each step gets its own.
     residual.Freeze(fresh ? RowMajor() : columns);
-    estimate.broken = Descend(residual, options, lower, upper, weighted.squaredNorm(), q, estimate);
+    estimate.broken = Descend(residual, options, converged, most, lower, upper, weighted.squaredNorm(), q, estimate);
     residual.Freeze({});
     if (!estimate.ok()) break;
     const std::optional<Point> there = residual.At(q);
-    const bool gained = there && begun - residual.CriterionOf(residual.Weighted(*there)) >= options.converged;
+    const bool gained = there && begun - residual.CriterionOf(residual.Weighted(*there)) >= converged;
     if (options.near && !gained && there) {
       q = point->q;
       if (fresh) {

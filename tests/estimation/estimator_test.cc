@@ -47,7 +47,7 @@ class Hidden {
   }
 
   /// From `start`, through memories of 25 and 250 ms to the free run.
-  std::vector<Estimate> Fit(double start) {
+  std::vector<Estimate> Fit(double start, const EstimatorOptions& options = {}) {
     const Result<LinearModel> model = LinearModel::Of(plan_, data_->records().front(), testing::BuiltIns());
     EXPECT_TRUE(model.ok());
     const auto known = std::make_shared<mechanics::Decompositions>();
@@ -60,9 +60,10 @@ class Hidden {
     hypothesis_ = nominal_.With(*effect_, place_, magnitudes);
     Eigen::VectorXd from = hypothesis_->start();
     from[0] = hypothesis_->parameters()[0].CoordinateOf(start);
-    return FitThrough(*hypothesis_, {&strong, &weak, &free}, from);
+    return FitThrough(*hypothesis_, {&strong, &weak, &free}, from, options);
   }
 
+  Eigen::Index parameters() const { return std::ssize(hypothesis_->parameters()); }
   double ValueOf(const Estimate& estimate) const { return hypothesis_->parameters()[0].ValueAt(estimate.q[0]); }
 
  private:
@@ -92,6 +93,28 @@ TEST(Estimator, FindsAStiffnessOfALineFarOff) {
   const Plan plan = FourMasses(1.2);
   for (const double truth : {-0.12, -0.25, 0.25})
     ExpectTruth(Hidden(plan, "stiffness_change", "shaft:k2", truth, 100), 0.0, truth, 0.01, 0.002, 1000);
+}
+
+TEST(Estimator, EndsWhereItsPointsAreSpent) {
+  const double truth = -0.12;
+  Hidden hidden(FourMasses(0.6), "stiffness_change", "shaft:k2", truth, 100);
+  const std::vector<Estimate> all = hidden.Fit(0.0), few = hidden.Fit(0.0, {.points = 3});
+  const std::int64_t point = 1 + hidden.parameters();
+  // A step that was begun is finished, and the columns of the end are its own.
+  EXPECT_LE(few[0].simulations, (3 + 2) * point);
+  EXPECT_LT(few[0].simulations, all[0].simulations);
+  ASSERT_TRUE(few[0].ok()) << few[0].broken;
+  EXPECT_LT(few[0].scales[0].rms, 1.5 * all[0].scales[0].rms) << "where it has come to, not where it began";
+}
+
+TEST(Estimator, FarFromTheNoiseSharesAreEnough) {
+  // A stiffness that is no inertia's fault: what is left is far above the noise, and a hundredth of it is left alone.
+  Hidden hidden(FourMasses(0.6), "stiffness_change", "shaft:k2", -0.25, 100);
+  const std::vector<Estimate> all = hidden.Fit(-0.2, {.near = true}),
+                              rough = hidden.Fit(-0.2, {.of_excess = 0.01, .near = true});
+  ASSERT_TRUE(rough[0].ok()) << rough[0].broken;
+  EXPECT_LE(rough[0].simulations, all[0].simulations);
+  EXPECT_NEAR(hidden.ValueOf(rough[2]), -0.25, 0.005) << "beside the noise nothing is left alone";
 }
 
 TEST(SlowEstimator, FindsFrictionOfALine) {
