@@ -51,6 +51,11 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   return here;
 }
 
+/// A descent that keeps its columns takes a point a step, new columns one for each parameter.
+int PointsFor(const Hypothesis& hypothesis) {
+  return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
+}
+
 /// At one level: with the null's columns as far as they lead, then with its own.
 Estimate FitWith(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
                  const VectorXd& from) {
@@ -62,9 +67,10 @@ Estimate FitWith(const Contestant& contestant, const Contestant& null, const Lev
             {.iterations = 10, .renewals = 2, .of_excess = policy::kCarriedTo, .near = true, .known = known});
     if (rough.ok()) near = rough.q;
   }
-  return AsLoudAs(null, level,
-                  Fit(contestant.hypothesis, levels[level], near,
-                      {.renewals = 6, .points = policy::kPoints, .of_excess = policy::kCarriedTo, .near = true}));
+  return AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], near,
+          {.renewals = 6, .points = PointsFor(contestant.hypothesis), .of_excess = policy::kCarriedTo, .near = true}));
 }
 
 /// Whether a model may be exact where its run is corrected less: it is near the noise here.
@@ -97,7 +103,10 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   if (known)
     again = AsLoudAs(null, level,
                      Fit(contestant.hypothesis, levels[level], again.q,
-                         {.renewals = 6, .points = policy::kPoints, .of_excess = policy::kCarriedTo, .near = true}));
+                         {.renewals = 6,
+                          .points = PointsFor(contestant.hypothesis),
+                          .of_excess = policy::kCarriedTo,
+                          .near = true}));
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 

@@ -207,7 +207,7 @@ bool NearEnough(const Contestant& one) {
   return false;
 }
 
-/// What the comparison said of a candidate, or why it took no part.
+/// The outcome of the comparison for a candidate, or the reason why it took no part.
 std::string OutcomeOf(const Settled& settled, const Contestant& one) {
   const auto entry = std::ranges::find_if(settled.journal, [&](const JournalEntry& some) {
     return !some.compared.empty() && some.compared.front() == one.Name();
@@ -225,9 +225,10 @@ double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
   return std::sqrt(sum / static_cast<double>(channels.size()));
 }
 
-/// What a person sees of the model that was chosen: what it gains, where the given one is wrong, what is left.
+/// Fills in the report on the chosen model: its gain, where the given one (`begun`: from where the records start) is wrong, and
+/// the residual.
 Status Describe(const Parts& parts, const Contest& contest, const Settled& settled, const EstimationProblem& problem,
-                const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                const Plan& begun, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                 const DiagnoseOptions& options, Diagnosis& result) {
   const Levels& levels = *parts.training;
   const std::size_t chosen = !settled.causes.empty() ? settled.causes.front() : settled.best.value_or(0);
@@ -275,7 +276,7 @@ Status Describe(const Parts& parts, const Contest& contest, const Settled& settl
   }
   result.noise_floor = std::sqrt(floor / static_cast<double>(floors.size()));
   result.at_noise_floor = IsExact(fit);
-  if (const Result<Eigen::VectorXd> nominal = problem.PredictPlan(problem.plan()); nominal.ok())
+  if (const Result<Eigen::VectorXd> nominal = problem.PredictPlan(begun); nominal.ok())
     result.where = Localise(problem, problem.measured() - *nominal, floors);
   for (std::size_t i = 0; i < hypothesis.z.size(); ++i) {
     const identification::Nuisance& nuisance = problem.nuisances()[i];
@@ -399,7 +400,7 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
   const Settled& settled = answer->settled;
   result.verdict = settled.verdict;
   result.reason = settled.reason;
-  if (Status failed = Describe(*parts, answer->contest, settled, problem, data, holdout, options, result))
+  if (Status failed = Describe(*parts, answer->contest, settled, problem, begun, data, holdout, options, result))
     return *failed;
   result.simulations = static_cast<double>(levels.simulations() + parts->held_out->simulations());
   result.journal.push_back({"verdict", {}, settled.rule, {}, ToString(result.verdict) + ": " + result.reason});

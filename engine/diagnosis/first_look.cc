@@ -72,7 +72,7 @@ std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const 
   return candidates;
 }
 
-/// What one run beside the null says of a candidate: how large it should be, and which share of the error it removes that
+/// Size of a candidate by one run beside the null, and the share of the error that it removes and that
 /// nominal values cannot.
 struct Signature {
   double size = 0.0, removes = -1.0;

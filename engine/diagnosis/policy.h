@@ -45,9 +45,10 @@ inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
 inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
-/// Points that the fit of a candidate at a level looks at, for each parameter and one: causes that were right took three or fewer
-/// on the heavy-duty line, models that went along a valley thirty.
-inline constexpr int kPoints = 5;
+/// Points that the fit of a candidate at a level looks at: steps, and sets of columns. Causes that were right took some twenty
+/// steps and two sets on the heavy-duty line, models that went along a valley four hundred points. Of two coupled drives with four
+/// numbers 25 points were too few to find the right one, 60 were enough.
+inline constexpr int kSteps = 60, kColumns = 3;
 /// What a fit may still take off the excess where it ends: at a first look, and on the way through the levels. Shares decide from
 /// some hundredths on.
 inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;

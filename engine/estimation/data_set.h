@@ -1,4 +1,4 @@
-// What was measured, as an estimator compares it: the outputs of all records, channel behind channel, in one vector.
+// The measured outputs of all records, channel behind channel, in one vector.
 #pragma once
 
 #include <Eigen/Dense>

@@ -23,7 +23,7 @@ constexpr double kStraight = 1e3;  // rows of a channel: the constant beside the
 constexpr const char* kSettled = "settled";
 constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
 
-/// What is kept of one simulated point.
+/// One simulated point.
 struct Point {
   VectorXd q, innovations, noise_alone;
 };
@@ -134,7 +134,7 @@ class Residual : public ceres::CostFunction {
   /// From now on Evaluate() gives these columns; empty: new ones at each point.
   void Freeze(RowMajor columns) { frozen_ = std::move(columns); }
 
-  /// What Q has about this point beyond what noise alone causes.
+  /// The part of Q about this point that noise alone does not cause.
   double Excess() const {
     double excess = 0.0;
     for (std::size_t c = 0; c < scales_.size(); ++c) {
@@ -222,7 +222,7 @@ std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovati
 
 namespace {
 
-/// What a Gauss-Newton step from here would take off the criterion, as far as the bounds let it.
+/// The decrease of the criterion that a Gauss-Newton step within the bounds promises (Newton decrement).
 double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const VectorXd& q, const VectorXd& lower,
                    const VectorXd& upper) {
   const VectorXd gradient = columns.transpose() * weighted;
@@ -268,7 +268,8 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   solver.parameter_tolerance = 1e-10;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
-  // Beside bounds Ceres searches along each step: by values alone, for a slope costs a simulation a parameter.
+  // Where there are bounds, Ceres searches along each step. It does so by values alone: a slope would cost one simulation for
+  // each parameter.
   solver.line_search_interpolation_type = ceres::BISECTION;
   solver.max_num_line_search_step_size_iterations = 3;
   solver.max_num_consecutive_invalid_steps = 10;
@@ -292,8 +293,7 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   RowMajor columns;
   std::optional<Point> point = residual.At(q);
   estimate.termination = "as often renewed as allowed";
-  const std::int64_t most =
-      options.points > 0 ? options.points * (1 + q.size()) : std::numeric_limits<std::int64_t>::max();
+  const std::int64_t most = options.points > 0 ? options.points : std::numeric_limits<std::int64_t>::max();
   bool fresh = !options.near;  // columns of their own for each step of the descent
   for (; point; ++estimate.renewals) {
     const std::vector<ChannelScale> old = residual.scales();

@@ -53,7 +53,7 @@ struct KnownColumns {
 struct EstimatorOptions {
   int iterations = 20;  // of Levenberg-Marquardt, between two renewals
   int renewals = 4;     // of s, tau, q0 and the columns of the Jacobian, which serve until the next
-  /// Points that a fit may look at, for each parameter and one; 0: as many as it likes. One that needs more goes along a valley.
+  /// Points that a fit may look at; 0: as many as it likes. One that needs more goes along a valley.
   int points = 0;
   double converged = 1.0;  // what a step would still take off Q: an eighth of what decides between two models
   /// Or this share of what Q has beyond noise, if that is more: a model that is far off need not be found to the last digit.

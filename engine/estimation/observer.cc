@@ -38,7 +38,7 @@ class Differences {
   explicit Differences(const BuiltRun& run)
       : run_(run), other_(*run.rig, *run.solver), step_(run.solver->linear() ? 1.0 : kStep) {}
 
-  /// What the states become after one period, and the outputs before it.
+  /// The states after one period, and the outputs before it.
   Result<std::pair<VectorXd, VectorXd>> After(const Frame& frame, const std::vector<int>& outputs) {
     Frame now = frame;
     run_.solver->Evaluate(now, run_.rig->SecondsOf(now.time));
@@ -129,7 +129,7 @@ std::vector<std::pair<std::string, Plan>> Loaded(const Plan& plan, double torque
   return loaded;
 }
 
-/// What one period of each unknown force of its usual size moves, by state: [states x forces].
+/// Change of each state by one period of each unknown force of its usual size [states x forces].
 Result<MatrixXd> Moved(const BuiltRun& run, Differences& differences, const Frame& frame, const MappedRecord& record,
                        const std::vector<BuiltRun>& loaded) {
   const VectorXd none = VectorXd::Zero(std::ssize(run.rig->state_ports));

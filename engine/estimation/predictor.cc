@@ -28,7 +28,7 @@ double At(const std::vector<double>& course, double time_s, double period_s) {
   return share > 0.0 ? course[before] + share * (course[before + 1] - course[before]) : course[before];
 }
 
-/// What a sensor is wrong by, where its chain begins, in the unit of the nominal sensor.
+/// Error of a sensor where its chain begins, in the unit of the nominal sensor.
 class SensorError {
  public:
   /// A delayed sensor shows what was before: a sample counts at the first tick after the instant that it tells of, and is

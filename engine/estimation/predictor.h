@@ -1,4 +1,4 @@
-// What a model predicts for a data set: in a run beside each record that is corrected by it (observer.h), or in a free run.
+// Predictions of a model for a data set: by a run beside each record that is corrected by it (observer.h), or by a free run.
 // The only place where an estimator simulates.
 #pragma once
 

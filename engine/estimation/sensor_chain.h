@@ -35,7 +35,7 @@ class SensorChain {
 class LagInverse {
  public:
   explicit LagInverse(double lag_s) : lag_s_(lag_s) {}
-  /// What came into the lag, of the sample that is `since_s` after the one before. It starts in a steady state.
+  /// The value before the lag, of the sample that is `since_s` after the one before. It starts in a steady state.
   double operator()(double sample, double since_s);
 
  private:

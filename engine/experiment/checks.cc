@@ -188,7 +188,7 @@ class SolversCheck : public CheckPlan {
   Params p_;
 };
 
-/// What the scenario allows the two solvers to be apart in a signal: the limit of its check of kind `solvers`, if any.
+/// The distance by which a scenario allows the two solvers to differ in a signal: the limit of its check of kind `solvers`, if any.
 std::optional<double> SolversLimit(const Plan& plan, const std::string& signal) {
   const Value* checks = plan.root.Find("check");
   if (checks == nullptr || !checks->is_array()) return std::nullopt;

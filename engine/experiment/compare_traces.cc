@@ -56,7 +56,7 @@ std::string Described(const score::Series& series) {
                      series.time_s.back());
 }
 
-/// What two courses have in common in time, and what has to be said of it.
+/// The span of time that two courses have in common, with the notes on it.
 struct CommonSpan {
   std::vector<double> test_time_s;  // on the reference's stamps where it meets them
   double from_s = 0.0, to_s = 0.0;
@@ -97,7 +97,7 @@ Result<CommonSpan> InCommon(const score::Series& reference, const score::Series&
   return common;
 }
 
-/// What a thinned reference tells of all samples of a signal, in stretches.
+/// Least, greatest and mean of a signal by stretch, as a thinned reference holds them.
 struct Wanted {
   std::span<const double> ends, least, greatest, mean;
 };
@@ -164,7 +164,7 @@ std::string WorstInItsUnit(const score::TubeResult& result, std::span<const doub
                      result.worst_time_s, allowed, shown);
 }
 
-/// What a deviation is small or large against.
+/// The yardstick of a deviation.
 struct Scale {
   double value;
   std::string note;  // where the reference does not state it

@@ -42,7 +42,7 @@ struct GoldenTolerances {
   SignalTolerances For(const std::string& solver) const;
 };
 
-/// What the scenario states to be checked, each check as its kind and what it is about: "solvers T_shaft". Sorted.
+/// The checks that a scenario states, each as its kind and what it is about: "solvers T_shaft". Sorted.
 std::vector<std::string> StatedChecks(const Plan& plan);
 
 /// The folder of the golden files: $DYNOPROOF_GOLDEN, else `golden` beside the scenario folder.
@@ -75,7 +75,7 @@ std::optional<score::Check> GoldenNotStated(const GoldenPlace& place, const Plan
 Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,
                                const std::string& kept);
 
-/// What becomes golden: a run, and the same of the other solver, which tells how far that may be.
+/// A run that becomes golden, and the same of the other solver, which tells how far that may be.
 struct GoldenRun {
   const trace::Trace& own;
   const trace::Trace& other;

@@ -105,7 +105,7 @@ std::vector<Picture> CloseUp(const std::string& title, const score::Evidence& ju
   return {std::move(both), std::move(residual)};
 }
 
-/// What there is to say over the close-up of a failed comparison.
+/// The caption of the close-up of a failed comparison.
 std::string Parting(const score::Check& check) {
   const score::Evidence& judged = *check.evidence;
   const std::string text = IsOfGolden(check)

@@ -54,7 +54,7 @@ struct ChannelTable {
   }
 };
 
-/// What stands beside the tables of channels.
+/// The entries beside the tables of channels.
 struct FileTable {
   std::string time_unit;
   double rate_hz = 0.0, start_s = 0.0;

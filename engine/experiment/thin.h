@@ -20,7 +20,7 @@ inline constexpr double kStampSlack = 1e-6;
 std::optional<std::vector<double>> SamplesAt(std::span<const double> kept, std::span<const double> time_s,
                                              std::span<const double> values);
 
-/// What is kept of all samples in stretches, one value a stretch. A stretch goes from behind one end up to the next, that
+/// Least, greatest and mean of all samples in stretches, one value a stretch. A stretch goes from behind one end up to the next, that
 /// one included; the first is the first sample alone.
 struct Stretches {
   std::vector<double> least, greatest, mean;

@@ -98,10 +98,10 @@ TEST(Estimator, FindsAStiffnessOfALineFarOff) {
 TEST(Estimator, EndsWhereItsPointsAreSpent) {
   const double truth = -0.12;
   Hidden hidden(FourMasses(0.6), "stiffness_change", "shaft:k2", truth, 100);
-  const std::vector<Estimate> all = hidden.Fit(0.0), few = hidden.Fit(0.0, {.points = 3});
+  const std::vector<Estimate> all = hidden.Fit(0.0), few = hidden.Fit(0.0, {.points = 30});
   const std::int64_t point = 1 + hidden.parameters();
   // A step that was begun is finished, and the columns of the end are its own.
-  EXPECT_LE(few[0].simulations, (3 + 2) * point);
+  EXPECT_LE(few[0].simulations, 30 + 2 * point);
   EXPECT_LT(few[0].simulations, all[0].simulations);
   ASSERT_TRUE(few[0].ok()) << few[0].broken;
   EXPECT_LT(few[0].scales[0].rms, 1.5 * all[0].scales[0].rms) << "where it has come to, not where it began";
