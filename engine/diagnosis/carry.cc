@@ -166,13 +166,7 @@ void Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       else
         own.levels[level].broken = left[i].empty() ? "far from the noise before" : left[i];
     });
-    const Contestant* leader = nullptr;
-    for (const Contestant& one : contestants) {
-      if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
-                                                        LogExcess(leader->levels[level].scales, levels.data())))
-        leader = &one;
-    }
-    if (leader != nullptr) {
+    if (const Contestant* leader = LeaderAt(contestants, levels, level)) {
       ParallelFor(contestants.size(), 0, [&](std::size_t i) {
         Contestant& own = contestants[i];
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);

@@ -52,6 +52,16 @@ double ShareOf(const Contestant& contestant, const Contestant& null, const Level
                         LogExcess(null.levels[level].scales, levels.data()));
 }
 
+const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t level) {
+  const Contestant* leader = nullptr;
+  for (const Contestant& one : contestants) {
+    if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
+                                                      LogExcess(leader->levels[level].scales, levels.data())))
+      leader = &one;
+  }
+  return leader;
+}
+
 VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q) {
   VectorXd start = hypothesis.start();
   for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {

@@ -37,6 +37,9 @@ double LogExcess(const std::vector<estimation::ChannelScale>& scales, const esti
 /// The share of the null's excess that a model removes at a level where both hold.
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
 
+/// The contestant whose excess at a level is least; null where none holds there.
+const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t level);
+
 /// The coordinates of an estimate as a start for a hypothesis of the same machine: its own numbers by their names, the rest as
 /// the hypothesis starts.
 Eigen::VectorXd StartFrom(const estimation::Hypothesis& hypothesis, const estimation::Hypothesis& other,

@@ -332,13 +332,7 @@ Result<Diagnosis> DiagnoseCorrected(const Plan& plan, const std::vector<MappedRe
     });
     if (!contest.ok()) return contest.failure();
     if (!ExactLevel(*contest, levels)) {
-      const Contestant* best = nullptr;
-      for (const Contestant& one : contest->contestants) {
-        if (one.Holds(levels.free_run()) &&
-            (best == nullptr ||
-             LogExcess(one.levels.back().scales, levels.data()) < LogExcess(best->levels.back().scales, levels.data())))
-          best = &one;
-      }
+      const Contestant* best = LeaderAt(contest->contestants, levels, levels.free_run());
       if (best != nullptr && LeavesNoise(problem, *best, levels)) CountAsNoise(*best, contest->contestants);
     }
     passes.push_back(HeldOutOf(*contest, *parts->held_out, given, !holdout.empty()));

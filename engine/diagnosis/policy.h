@@ -49,8 +49,8 @@ inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
 /// steps and two sets on the heavy-duty line, models that went along a valley four hundred points. Of two coupled drives with four
 /// numbers 25 points were too few to find the right one, 60 were enough.
 inline constexpr int kSteps = 60, kColumns = 3;
-/// What a fit may still take off the excess where it ends: at a first look, and on the way through the levels. Shares decide from
-/// some hundredths on.
+/// A fit ends where its next step would lower the excess by less than this share: at a first look, and on the way through the
+/// levels. Models are told apart by shares of some hundredths.
 inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;
 /// Where one candidate removes the one share of the excess, those that have removed no more than the other are not followed:
 /// a cause that leaves 95 % where another leaves half is none, whatever comes.

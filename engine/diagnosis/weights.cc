@@ -4,13 +4,10 @@ namespace dynoproof::diagnosis {
 
 Weights::Weights(std::span<const Contestant> contestants, const Levels& levels, std::size_t level) {
   std::vector<Eigen::VectorXd> left_out;
-  const Contestant* leader = nullptr;
+  const Contestant* leader = LeaderAt(contestants, levels, level);
   for (const Contestant& one : contestants) {
     left_out.push_back(one.Holds(level) ? estimation::LeaveBlocksOut(one.levels[level], levels.data(), one.hypothesis)
                                         : Eigen::VectorXd());
-    if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
-                                                      LogExcess(leader->levels[level].scales, levels.data())))
-      leader = &one;
   }
   for (std::size_t a = 0; a < left_out.size(); ++a) {
     weights_.emplace_back(left_out.size());

@@ -18,14 +18,14 @@ struct RealSchur {
 };
 std::optional<RealSchur> Schur(const Eigen::MatrixXd& A);
 
-/// Of a symmetric matrix (only its lower triangle is read), by the QR iteration.
+/// Eigenvalues and eigenvectors of a symmetric matrix by the QR iteration; only its lower triangle is read.
 struct SymmetricEigen {
   Eigen::VectorXd values;   // n, rising
   Eigen::MatrixXd vectors;  // n x n, orthonormal columns
 };
 SymmetricEigen Symmetric(const Eigen::MatrixXd& A);
 Eigen::VectorXd SymmetricValues(const Eigen::MatrixXd& A);
-/// Of the symmetric matrix with this diagonal of n and these n - 1 beside it.
+/// Eigenvalues of the symmetric tridiagonal matrix with `diagonal` (n) and `beside` (n - 1) as its first off-diagonal, rising.
 Eigen::VectorXd TridiagonalValues(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& beside);
 
 /// A = U diag(values) V^T of m x n, values falling, U of m x min(m, n) and V of n x min(m, n).
