@@ -21,7 +21,7 @@ namespace {
 
 struct DiagnoseArguments {
   Common common;
-  std::string scenario, method = "free_run", out = "out", html;
+  std::string scenario, method = "corrected", out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
   double most_simulations = diagnosis::DiagnoseOptions().most_simulations;
   double most_cpu_s = 0.0;
@@ -139,8 +139,8 @@ void AddDiagnose(CLI::App& program, int& exit) {
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--method", arguments->method,
-                   "free_run: what the records leave of free runs (default); corrected: of runs that they correct, "
-                   "for models that are not exact either (new, not calibrated)")
+                   "corrected: what the records leave of runs that they correct, for models that are not exact either "
+                   "(default); free_run: of free runs, as before")
       ->check(CLI::IsMember({"free_run", "corrected"}));
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);

@@ -56,21 +56,35 @@ int PointsFor(const Hypothesis& hypothesis) {
   return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
 }
 
-/// At one level: with the null's columns as far as they lead, then with its own.
-Estimate FitWith(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                 const VectorXd& from) {
-  VectorXd near = BestStart(contestant, null, levels, level, from);
-  if (null.Holds(level)) {
-    const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-    const Estimate rough =
-        Fit(contestant.hypothesis, levels[level], near,
-            {.iterations = 10, .renewals = 2, .of_excess = policy::kCarriedTo, .near = true, .known = known});
-    if (rough.ok()) near = rough.q;
-  }
+/// At one level with the null's columns, as far as they lead: new ones cost a run for each number of the effect alone.
+Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                    const VectorXd& from, const Conduct& conduct) {
+  const std::optional<VectorXd> saved = conduct.Recall(contestant.Name(), level, from.size());
+  const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
   return AsLoudAs(
       null, level,
-      Fit(contestant.hypothesis, levels[level], near,
+      Fit(contestant.hypothesis, levels[level], saved ? *saved : BestStart(contestant, null, levels, level, from),
+          {.iterations = 10,
+           .renewals = 2,
+           .of_excess = policy::kCarriedTo,
+           .near = true,
+           .known = null.Holds(level) ? std::optional(known) : std::nullopt}));
+}
+
+/// With columns of its own.
+Estimate FitFully(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                  const VectorXd& from) {
+  return AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], from,
           {.renewals = 6, .points = PointsFor(contestant.hypothesis), .of_excess = policy::kCarriedTo, .near = true}));
+}
+
+/// Whether a fit leaves so much more than the best one that its last digits decide nothing.
+bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Levels& levels, std::size_t level) {
+  if (!estimate.ok() || leader == nullptr) return false;
+  return LogExcess(estimate.scales, levels.data()) >
+         LogExcess(leader->levels[level].scales, levels.data()) + std::log(policy::kFarBehind);
 }
 
 /// Whether a model may be exact where its run is corrected less: it is near the noise here.
@@ -100,13 +114,7 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
                                  .known = known ? std::optional(own_columns) : std::nullopt}));
   const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
   if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
-  if (known)
-    again = AsLoudAs(null, level,
-                     Fit(contestant.hypothesis, levels[level], again.q,
-                         {.renewals = 6,
-                          .points = PointsFor(contestant.hypothesis),
-                          .of_excess = policy::kCarriedTo,
-                          .near = true}));
+  if (known && !IsFarBehind(again, &other, levels, level)) again = FitFully(contestant, null, levels, level, again.q);
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 
@@ -143,12 +151,12 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
 
 }  // namespace
 
-void Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t first,
-           const std::function<void(double)>& progress) {
+bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t first, const Conduct& conduct) {
   std::vector<VectorXd> from;
   for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
   std::vector<std::string> left(contestants.size());
   for (std::size_t level = first; level < levels.size(); ++level) {
+    if (conduct.spent()) return false;
     // Memories beyond the record's length lead to the exact minimum of the free run: only a model that is near the noise
     // before has one.
     const bool between = level > levels.longest() && level < levels.free_run();
@@ -162,9 +170,18 @@ void Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       if (i == 0) return;
       Contestant& own = contestants[i];
       if (follows(i))
-        own.levels[level] = FitWith(own, null, levels, level, from[i]);
+        own.levels[level] = FitRoughly(own, null, levels, level, from[i], conduct);
       else
         own.levels[level].broken = left[i].empty() ? "far from the noise before" : left[i];
+    });
+    const Contestant* first_of_all = LeaderAt(contestants, levels, level);
+    const std::optional<Contestant> ahead = first_of_all != nullptr ? std::optional(*first_of_all) : std::nullopt;
+    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+      Estimate& rough = contestants[i].levels[level];
+      if (i == 0 || !follows(i) || !rough.ok()) return;
+      if (IsFarBehind(rough, ahead ? &*ahead : nullptr, levels, level)) return;
+      Estimate full = FitFully(contestants[i], null, levels, level, rough.q);
+      if (full.ok()) rough = std::move(full);
     });
     if (const Contestant* leader = LeaderAt(contestants, levels, level)) {
       ParallelFor(contestants.size(), 0, [&](std::size_t i) {
@@ -173,14 +190,17 @@ void Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       });
     }
     for (std::size_t i = 1; i < contestants.size(); ++i) {
-      if (contestants[i].Holds(level)) from[i] = contestants[i].levels[level].q;
+      if (!contestants[i].Holds(level)) continue;
+      from[i] = contestants[i].levels[level].q;
+      conduct.Keep(contestants[i].Name(), level, from[i]);
     }
     std::vector<std::string> now = LeftAt(contestants, levels, first, level);
     for (std::size_t i = 0; i < now.size(); ++i) {
       if (left[i].empty()) left[i] = std::move(now[i]);
     }
-    progress(static_cast<double>(level - first + 1) / static_cast<double>(levels.size() - first));
+    conduct.progress(static_cast<double>(level - first + 1) / static_cast<double>(levels.size() - first));
   }
+  return true;
 }
 
 }  // namespace dynoproof::diagnosis

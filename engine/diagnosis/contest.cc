@@ -61,7 +61,7 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
 }
 
 Result<Contest> Compete(Contestant null, bool released, const Levels& levels, const Magnitudes& magnitudes,
-                        const Registry& registry, const std::function<void(double)>& progress) {
+                        const Registry& registry, const Conduct& conduct) {
   Contest contest;
   contest.released = released;
   std::int64_t counted = levels.simulations();
@@ -79,9 +79,10 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
   if (contest.first == levels.size())
     return Failure{"the nominal model breaks beside the record: " + null.levels.front().broken,
                    null.hypothesis.nominal().id};
-  progress(0.1);
-  std::vector<Contestant> ranked =
-      FirstLook(null, levels, contest.first, magnitudes, registry, [&](double share) { progress(0.1 + 0.4 * share); });
+  Conduct part = conduct;
+  part.progress = [&](double share) { conduct.progress(0.1 + 0.4 * share); };
+  part.progress(0.0);
+  std::vector<Contestant> ranked = FirstLook(null, levels, contest.first, magnitudes, registry, part);
   count("first look");
   std::size_t kept =
       std::min(null.hypothesis.effects().empty() ? policy::kCarried : policy::kCarriedOnTop, ranked.size());
@@ -89,9 +90,10 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
   contest.contestants.push_back(std::move(null));
   for (std::size_t i = 0; i < ranked.size(); ++i)
     (i < kept ? contest.contestants : contest.left_behind).push_back(std::move(ranked[i]));
-  Carry(contest.contestants, levels, contest.first, [&](double share) { progress(0.5 + 0.5 * share); });
+  part.progress = [&](double share) { conduct.progress(0.5 + 0.5 * share); };
+  contest.complete = Carry(contest.contestants, levels, contest.first, part);
   count("through the levels");
-  progress(1.0);
+  conduct.progress(1.0);
   return contest;
 }
 

@@ -2,10 +2,10 @@
 // dropped before it has been fitted once.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "diagnosis/conduct.h"
 #include "diagnosis/contestant.h"
 #include "model/registry.h"
 
@@ -15,6 +15,7 @@ namespace dynoproof::diagnosis {
 /// level.
 struct Contest {
   bool released = false;                // nominal values without priors
+  bool complete = true;                 // false: the conduct has ended it before the free run
   std::size_t first = 0;                // the level of the first look
   std::vector<Contestant> contestants;  // the null first
   std::vector<Contestant> left_behind;  // after the first look, the best first
@@ -30,8 +31,8 @@ struct Contest {
 /// The plan without further effects, its nominal values and the starts of records that it holds free, fitted at every level.
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
 
-/// `magnitudes`: of the first record. Fails where the null breaks at every level. `progress`: a share of the work.
+/// `magnitudes`: of the first record. Fails where the null breaks at every level.
 Result<Contest> Compete(Contestant null, bool released, const Levels& levels, const Magnitudes& magnitudes,
-                        const Registry& registry, const std::function<void(double)>& progress);
+                        const Registry& registry, const Conduct& conduct);
 
 }  // namespace dynoproof::diagnosis

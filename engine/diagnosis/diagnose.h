@@ -35,6 +35,20 @@ struct Seen {
   std::string name, at, unit;
   double smallest = 0.0;
 };
+/// An effect at a place that the records cannot show, and why.
+struct NotTestable {
+  std::string name, at, reason;
+};
+/// A line in the spectrum of what is left: hum, or a speed that nobody modelled.
+struct LineLeft {
+  std::string signal;
+  double hz = 0.0, share = 0.0;  // of the whitened variance
+};
+/// What a main cause leaves of a signal.
+struct Left {
+  double nrmse = 0.0;
+  WhereWrong where;
+};
 /// A nominal value that was fitted along.
 struct Refitted {
   std::string path;
@@ -53,6 +67,13 @@ struct Diagnosis {
   ResidualTests tests;
   std::map<std::string, double> floor_by_signal, residual_by_signal;  // unit of the signal
   std::map<std::string, SignalGain> train, holdout;
+  std::optional<Share> explained;  // on the hold-out
+  std::map<std::string, double> given, released,
+      with_cause;                    // NRMSE there, by signal; released: where it was asked for
+  std::map<std::string, Left> left;  // by signal, of a main cause
+  std::optional<double> horizon_s;   // how far ahead the model as given predicts to the noise
+  std::vector<LineLeft> lines;
+  std::vector<NotTestable> not_testable;
   bool own_holdout = false;  // --holdout was given
   double counted = 1.0;      // share of the records, from their beginning, that all of this is about
   std::vector<Seen> would_have_seen;

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "diagnosis/candidates.h"
 #include "diagnosis/policy.h"
+#include "diagnosis/trial.h"
 #include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
@@ -23,54 +23,6 @@ using estimation::Estimate;
 using estimation::Fit;
 using estimation::Hypothesis;
 using estimation::Predictor;
-
-/// A hypothesis without its start: the effect at a place, to be sized by the record.
-struct Trial {
-  const Effect* effect;
-  Place place;
-  Hypothesis hypothesis;
-  std::vector<VectorXd> starts;        // coordinates of the effect alone
-  std::vector<std::size_t> strengths;  // of its parameters, with what grows with them
-};
-
-/// The parameters that grow with the size of an effect: its strengths, and what is one of them by something, as the stiffness
-/// of a friction that is elastic: the stretch at which it gives way stays.
-std::vector<std::size_t> SizedWith(const Effect& effect) {
-  std::vector<std::size_t> sized = StrengthsOf(effect);
-  const std::vector<EffectParameter>& all = effect.info().parameters;
-  const std::vector<std::size_t> strengths = sized;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool by = std::ranges::any_of(
-        strengths, [&](std::size_t k) { return k != i && all[i].unit.starts_with(all[k].unit + "/"); });
-    if (by && std::ranges::find(sized, i) == sized.end()) sized.push_back(i);
-  }
-  return sized;
-}
-
-std::vector<Trial> TrialsOf(const Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
-                            const Registry& registry) {
-  std::vector<Trial> candidates;
-  const DataSet& data = levels.data();
-  for (const Effect* effect : registry.Effects()) {
-    for (const Place& place : effect->Places(base.nominal())) {
-      if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
-      if (std::ranges::find(base.effects(), Hypothesis::Applied{effect, place}) != base.effects().end()) continue;
-      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, SizedWith(*effect)};
-      const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
-      const auto& parameters = candidate.hypothesis.parameters();
-      for (const std::vector<double>& start : effect->Starts(base.nominal(), place, magnitudes)) {
-        VectorXd q(static_cast<Index>(count));
-        for (std::size_t i = 0; i < count; ++i) {
-          const estimation::Parameter& own = parameters[first + i];
-          q[static_cast<Index>(i)] = own.CoordinateOf(std::clamp(start[i], own.lower, own.upper));
-        }
-        candidate.starts.push_back(std::move(q));
-      }
-      candidates.push_back(std::move(candidate));
-    }
-  }
-  return candidates;
-}
 
 /// Size of a candidate by one run beside the null, and the share of the error that it removes and that
 /// nominal values cannot.
@@ -118,16 +70,16 @@ constexpr double kLeastSize = 0.02, kMostSize = 50.0;  // of a start
 
 double Bounded(double size) { return std::copysign(std::clamp(std::abs(size), kLeastSize, kMostSize), size); }
 
-/// Where the numbers of the candidate itself begin.
-Index OwnOf(const Trial& candidate) {
-  return static_cast<Index>(candidate.hypothesis.of_effects() - candidate.effect->info().parameters.size());
-}
+/// A point from which a candidate may be fitted, and the share of the error that it removes there, linear.
+struct Sketch {
+  VectorXd q;
+  double removes = -1.0;
+};
 
 /// The start that removes most, as large as the record asks for.
-VectorXd SizedStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
-  const Index own = OwnOf(candidate);
-  VectorXd best = from;
-  double removes = -1.0;
+Sketch SizedStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
+  const Index own = candidate.own();
+  Sketch best{from};
   for (const VectorXd& start : candidate.starts) {
     VectorXd q = from;
     q.segment(own, start.size()) = start;
@@ -144,19 +96,18 @@ VectorXd SizedStart(const Trial& candidate, const Screen& screen, const VectorXd
     }
     if (forbidden) sized = q;
     const double counts = forbidden ? 0.0 : signature.removes;
-    if (counts > removes) removes = counts, best = sized;
+    if (counts > best.removes) best = {sized, counts};
   }
   return best;
 }
 
 /// A sin(n phi + theta), in this order, is a sine and a cosine of one order, each with a size of its own: of the order of which
 /// both together remove most.
-VectorXd HarmonicStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
-  const Index own = OwnOf(candidate);
+Sketch HarmonicStart(const Trial& candidate, const Screen& screen, const VectorXd& from) {
+  const Index own = candidate.own();
   const auto& parameters = candidate.hypothesis.parameters();
   const estimation::Parameter& phase = parameters[static_cast<std::size_t>(own) + 2];
-  VectorXd best = from;
-  double removes = -1.0;
+  Sketch best{from};
   for (const VectorXd& start : candidate.starts) {
     VectorXd q = from;
     q.segment(own, start.size()) = start;
@@ -164,59 +115,98 @@ VectorXd HarmonicStart(const Trial& candidate, const Screen& screen, const Vecto
     const Signature sine = screen.Of(candidate.hypothesis, q);
     q[own + 2] = phase.CoordinateOf(0.5 * std::numbers::pi);
     const Signature cosine = screen.Of(candidate.hypothesis, q);
-    if (!(sine.removes + cosine.removes > removes)) continue;
-    removes = sine.removes + cosine.removes;
-    best = q;
-    best[own] = Bounded(std::hypot(sine.size, cosine.size)) * q[own];
-    best[own + 2] = phase.CoordinateOf(std::atan2(cosine.size, sine.size));
+    if (!(sine.removes + cosine.removes > best.removes)) continue;
+    best = {q, sine.removes + cosine.removes};
+    best.q[own] = Bounded(std::hypot(sine.size, cosine.size)) * q[own];
+    best.q[own + 2] = phase.CoordinateOf(std::atan2(cosine.size, sine.size));
   }
   return best;
 }
 
-/// One cheap fit from the start that removes most, sized by it.
-Contestant LookAt(const Trial& candidate, const Contestant& null, const Levels& levels, std::size_t level) {
+/// A level and the next one: a strong correction leaves little of what only accumulates.
+struct Screens {
+  Screen here;
+  std::optional<Screen> next;
+
+  Screens(const Contestant& null, const Levels& levels, std::size_t level) : here(null, levels[level], level) {
+    if (level + 1 < levels.size() && null.Holds(level + 1)) next.emplace(null, levels[level + 1], level + 1);
+  }
+};
+
+/// What a candidate promises, by runs beside the null alone: at its start, and at the size that comes out of that.
+Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& from) {
+  Sketch sketch = candidate.effect->info().traits.harmonic ? HarmonicStart(candidate, screens.here, from)
+                                                           : SizedStart(candidate, screens.here, from);
+  if (sketch.removes == 0.0) return sketch;
+  sketch.removes = std::max(sketch.removes, screens.here.Of(candidate.hypothesis, sketch.q).removes);
+  if (screens.next) sketch.removes = std::max(sketch.removes, screens.next->Of(candidate.hypothesis, sketch.q).removes);
+  return sketch;
+}
+
+/// A cheap fit at a level, and at the next one.
+Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null, const Levels& levels,
+                   std::size_t level) {
   Contestant contestant(candidate.hypothesis);
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
-  const VectorXd from = StartFrom(candidate.hypothesis, null.hypothesis, null.levels[level].q);
-  const Screen screen(null, levels[level], level);
-  VectorXd best = candidate.effect->info().traits.harmonic ? HarmonicStart(candidate, screen, from)
-                                                           : SizedStart(candidate, screen, from);
-  const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-  contestant.levels[level] =
-      AsLoudAs(null, level,
-               Fit(candidate.hypothesis, levels[level], best,
-                   {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = known}));
-  const auto share = [&](std::size_t at) { return ShareOf(contestant, null, levels, at); };
-  if (contestant.Holds(level)) contestant.share = share(level), best = contestant.levels[level].q;
-  // And at the next level: a strong correction leaves little of what only accumulates.
-  const std::size_t next = level + 1;
-  if (next < levels.size() && null.Holds(next)) {
-    const estimation::KnownColumns columns{&null.hypothesis, &null.levels[next]};
-    contestant.levels[next] =
-        AsLoudAs(null, next,
-                 Fit(candidate.hypothesis, levels[next], best,
-                     {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = columns}));
-    if (contestant.Holds(next)) contestant.share = std::max(contestant.share, share(next));
+  for (std::size_t at = level; at < std::min(level + 2, levels.size()); ++at) {
+    if (!null.Holds(at)) continue;
+    const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
+    contestant.levels[at] =
+        AsLoudAs(null, at,
+                 Fit(candidate.hypothesis, levels[at], from,
+                     {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = known}));
+    if (!contestant.Holds(at)) continue;
+    contestant.share = std::max(contestant.share, ShareOf(contestant, null, levels, at));
+    if (at == level) from = contestant.levels[at].q;
   }
+  for (Estimate& estimate : contestant.levels) estimate.DropRows();  // of some dozen candidates a few are fitted again
   return contestant;
 }
 
 }  // namespace
 
 std::vector<Contestant> FirstLook(const Contestant& null, const Levels& levels, std::size_t level,
-                                  const Magnitudes& magnitudes, const Registry& registry,
-                                  const std::function<void(double)>& progress) {
+                                  const Magnitudes& magnitudes, const Registry& registry, const Conduct& conduct) {
+  constexpr std::size_t kAtOnce = 16;  // between two questions whether to go on
+  constexpr double kSketched = 0.6;    // of the work
   const std::vector<Trial> candidates = TrialsOf(null.hypothesis, levels, magnitudes, registry);
-  std::vector<std::optional<Contestant>> seen(candidates.size());
+  const Screens screens(null, levels, level);
   std::atomic<std::size_t> done = 0;
-  ParallelFor(candidates.size(), 0, [&](std::size_t i) {
-    seen[i] = LookAt(candidates[i], null, levels, level);
-    progress(static_cast<double>(++done) / static_cast<double>(candidates.size()));
+  const auto in_parts = [&](std::size_t count, double from, double to, const auto& work) {
+    done = 0;
+    for (std::size_t begin = 0; begin < count && !conduct.spent(); begin += kAtOnce) {
+      ParallelFor(std::min(kAtOnce, count - begin), 0, [&](std::size_t i) {
+        work(begin + i);
+        conduct.progress(from + (to - from) * static_cast<double>(++done) / static_cast<double>(count));
+      });
+    }
+  };
+  std::vector<Sketch> sketches(candidates.size());
+  in_parts(candidates.size(), 0.0, kSketched, [&](std::size_t i) {
+    const VectorXd from = StartFrom(candidates[i].hypothesis, null.hypothesis, null.levels[level].q);
+    const std::string name = candidates[i].hypothesis.Name() + ", first look";
+    if (const std::optional<VectorXd> known = conduct.Recall(name, level, from.size() + 1))
+      sketches[i] = {known->head(from.size()), known->tail(1)[0]};
+    else
+      sketches[i] = SketchOf(candidates[i], screens, from);
+    VectorXd kept(from.size() + 1);
+    kept << sketches[i].q, sketches[i].removes;
+    conduct.Keep(name, level, kept);
   });
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (sketches[i].removes >= 0.0) order.push_back(i);
+  }
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return sketches[a].removes > sketches[b].removes; });
+  if (order.size() > policy::kLookedAtMost) order.resize(policy::kLookedAtMost);
+  std::vector<std::optional<Contestant>> seen(order.size());
+  in_parts(order.size(), kSketched, 1.0,
+           [&](std::size_t i) { seen[i] = FitOnce(candidates[order[i]], sketches[order[i]].q, null, levels, level); });
   std::vector<Contestant> ranked;
   for (std::optional<Contestant>& one : seen) {
-    if (one->Holds(level) || one->Holds(level + 1)) ranked.push_back(*std::move(one));
+    if (one && (one->Holds(level) || one->Holds(level + 1))) ranked.push_back(*std::move(one));
   }
   std::ranges::stable_sort(ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
   return ranked;

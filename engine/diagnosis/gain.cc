@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -60,6 +61,44 @@ Result<std::map<std::string, SignalGain>> MeasureGains(const EstimationProblem& 
   if (!b.ok()) return b.failure();
   if (!a.ok()) return a.failure();
   return GainsOf(problem, *b, *a, from);
+}
+
+std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eigen::VectorXd& before,
+                                    const Eigen::VectorXd& after, double from) {
+  constexpr Eigen::Index kBlocks = 40, kLeastRows = 5;
+  constexpr std::uint64_t kDraws = 1000;
+  std::vector<std::pair<double, double>> sums(kBlocks, {0.0, 0.0});  // of time, all signals together
+  for (const Channel& c : problem.channels()) {
+    const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
+    const Eigen::Index count = c.count - first, length = count / kBlocks;
+    if (length < kLeastRows) continue;
+    const auto y = problem.measured().segment(c.begin + first, count);
+    const double variance = (y.array() - y.mean()).square().mean();
+    if (!(variance > 0.0)) continue;
+    for (Eigen::Index b = 0; b < kBlocks; ++b) {
+      const auto squares = [&](const Eigen::VectorXd& predicted) {
+        const Eigen::Index at = b * length;
+        return (y.segment(at, length) - predicted.segment(c.begin + first + at, length)).squaredNorm() / variance;
+      };
+      sums[static_cast<std::size_t>(b)].first += squares(before);
+      sums[static_cast<std::size_t>(b)].second += squares(after);
+    }
+  }
+  const auto share = [](double b, double a) { return b > 0.0 ? 1.0 - a / b : 0.0; };
+  double b = 0.0, a = 0.0;
+  for (const auto& [first, second] : sums) b += first, a += second;
+  if (!(b > 0.0)) return std::nullopt;
+  std::vector<double> drawn;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    double of_b = 0.0, of_a = 0.0;
+    for (std::uint64_t i = 0; i < sums.size(); ++i) {
+      const auto& one = sums[RandomBits(1, draw, i) % sums.size()];
+      of_b += one.first, of_a += one.second;
+    }
+    drawn.push_back(share(of_b, of_a));
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return Share{share(b, a), drawn[kDraws / 40], drawn[kDraws - 1 - kDraws / 40]};
 }
 
 double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted) {

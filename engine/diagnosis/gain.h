@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "diagnosis/terms.h"
@@ -21,6 +22,15 @@ std::map<std::string, SignalGain> GainsOf(const EstimationProblem& problem, cons
 /// What plan `after` gains on plan `before`, both predicted for the study's records. Fails where a run breaks.
 Result<std::map<std::string, SignalGain>> MeasureGains(const EstimationProblem& problem, const Plan& before,
                                                        const Plan& after, double from = 0.0);
+
+/// A share with its 95 % interval.
+struct Share {
+  double value = 0.0, lower = 0.0, upper = 0.0;
+};
+/// The share of the squared error, all signals together, each over its standard deviation, that `after` removes of what
+/// `before` leaves; the interval by drawing blocks of time anew. Nothing where there are too few rows.
+std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eigen::VectorXd& before,
+                                    const Eigen::VectorXd& after, double from);
 
 /// RMS over the channels of the NRMSE.
 double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted);

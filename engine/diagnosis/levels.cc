@@ -6,6 +6,7 @@
 
 #include "diagnosis/policy.h"
 #include "experiment/drive_by_record.h"
+#include "experiment/prediction_windows.h"
 
 namespace dynoproof::diagnosis {
 
@@ -30,10 +31,14 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   levels->data_ = std::make_unique<DataSet>(
       records, plan, DataSet::Options{.from_s = from_s, .most_s = most_s, .most_rows = most_rows});
   const auto known = std::make_shared<mechanics::Decompositions>();
+  const std::optional<double> window_s = PredictionWindow(plan);
   if (like != nullptr) {
     levels->memories_s_ = like->memories_s_;
     levels->corrected_ = like->corrected_;
     levels->longest_ = like->longest_;
+  } else if (window_s) {
+    levels->memories_s_ = {*window_s / policy::kLonger, *window_s};
+    levels->corrected_ = levels->longest_ = 1;
   } else {
     // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
     for (double memory = memory_s; levels->memories_s_.empty() || memory < policy::kLongest * duration_s;
@@ -48,7 +53,7 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   // the shortest memory finds its start, the next one averages what noise has made of that, for it stays in a free run.
   auto& all = levels->predictors_;
   std::vector<std::optional<double>> memories(levels->memories_s_.begin(), levels->memories_s_.end());
-  memories.push_back(std::nullopt);
+  if (!window_s) memories.push_back(std::nullopt);
   for (const std::optional<double>& memory : memories) {
     const bool led = !all.empty() && (in_motion || (!memory && from_s > 0.0));
     if (led && in_motion && all.size() == 1 && memory)
@@ -58,11 +63,13 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     else
       all.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
   }
+  for (const auto& predictor : all) predictor->LearnNoise(plan);
   return levels;
 }
 
 std::string Levels::Name(std::size_t level) const {
-  return level == free_run() ? "free run" : fmt::format("memory {:.3g} s", predictors_[level]->observer()->memory_s());
+  return predictors_[level]->free_run() ? "free run"
+                                        : fmt::format("memory {:.3g} s", predictors_[level]->observer()->memory_s());
 }
 
 std::int64_t Levels::simulations() const {

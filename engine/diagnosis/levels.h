@@ -11,7 +11,8 @@
 
 namespace dynoproof::diagnosis {
 
-/// The levels at which models are run beside a data set, the most corrected first; the last one is the free run.
+/// The levels at which models are run beside a data set, the most corrected first; the last one is the free run, or, where the
+/// scenario says that motion is chaotic (prediction_window_s), a memory as long as it can be predicted.
 class Levels {
  public:
   /// `compared_from_s`: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
@@ -24,6 +25,7 @@ class Levels {
   const estimation::DataSet& data() const { return *data_; }
   std::size_t size() const { return predictors_.size(); }
   const estimation::Predictor& operator[](std::size_t level) const { return *predictors_[level]; }
+  /// The last level.
   std::size_t free_run() const { return size() - 1; }
   /// The second memory, or the first where that is not well below the record's length: long enough for what accumulates to
   /// show, short enough for forces that no model has.

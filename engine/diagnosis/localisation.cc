@@ -105,9 +105,17 @@ std::string Condition(const EstimationProblem& problem, const Channel& channel, 
 
 }  // namespace
 
+WhereWrong LocaliseIn(const EstimationProblem& problem, const Eigen::VectorXd& residual, std::size_t at, double floor) {
+  constexpr double kWorth = 1.5;  // times the floor: below, nobody would see a difference
+  const Channel& channel = problem.channels()[at];
+  const Eigen::VectorXd rows = residual.segment(channel.begin, channel.count);
+  WhereWrong where{channel.name, Times(rows, channel, floor), Bands(rows, channel, floor), ""};
+  if (RmsOf(rows) > kWorth * floor) where.condition = Condition(problem, channel, rows);
+  return where;
+}
+
 WhereWrong Localise(const EstimationProblem& problem, const Eigen::VectorXd& residual,
                     const std::vector<double>& floor) {
-  WhereWrong where;
   double worst = 0.0;
   std::size_t at = 0;
   for (std::size_t c = 0; c < problem.channels().size(); ++c) {
@@ -115,13 +123,7 @@ WhereWrong Localise(const EstimationProblem& problem, const Eigen::VectorXd& res
     const double rms = RmsOf(residual.segment(channel.begin, channel.count));
     if (floor[c] > 0.0 && rms / floor[c] > worst) worst = rms / floor[c], at = c;
   }
-  const Channel& channel = problem.channels()[at];
-  const Eigen::VectorXd rows = residual.segment(channel.begin, channel.count);
-  where.signal = channel.name;
-  where.when_s = Times(rows, channel, floor[at]);
-  where.frequency_hz = Bands(rows, channel, floor[at]);
-  if (worst > 1.5) where.condition = Condition(problem, channel, rows);
-  return where;
+  return LocaliseIn(problem, residual, at, floor[at]);
 }
 
 }  // namespace dynoproof::diagnosis

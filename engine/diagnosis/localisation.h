@@ -21,4 +21,8 @@ struct WhereWrong {
 WhereWrong Localise(const EstimationProblem& problem, const Eigen::VectorXd& residual,
                     const std::vector<double>& floor);
 
+/// The same of one channel.
+WhereWrong LocaliseIn(const EstimationProblem& problem, const Eigen::VectorXd& residual, std::size_t channel,
+                      double floor);
+
 }  // namespace dynoproof::diagnosis

@@ -43,12 +43,16 @@ inline constexpr double kNoiseSize = 1.2;
 inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 /// How well the power of noise is known [of itself]: sixth differences of white noise tell it to that.
 inline constexpr double kNoiseKnown = 0.02;
+/// Candidates that are fitted at a first look, of the some hundred whose one or two runs beside the null promise most.
+inline constexpr std::size_t kLookedAtMost = 40;
 /// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
 inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
 /// Points that the fit of a candidate at a level looks at: steps, and sets of columns. Causes that were right took some twenty
 /// steps and two sets on the heavy-duty line, models that went along a valley four hundred points. Of two coupled drives with four
 /// numbers 25 points were too few to find the right one, 60 were enough.
 inline constexpr int kSteps = 60, kColumns = 3;
+/// Power beyond the noise over the least of all at a level, from which on a fit is left as the null's columns gave it.
+inline constexpr double kFarBehind = 10.0;
 /// A fit ends where its next step would lower the excess by less than this share: at a first look, and on the way through the
 /// levels. Models are told apart by shares of some hundredths.
 inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;

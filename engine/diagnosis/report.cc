@@ -42,17 +42,20 @@ json ToJson(const std::map<std::string, SignalGain>& gains, bool interval) {
   return out;
 }
 
+json ToJson(const WhereWrong& where) {
+  return {{"signal", where.signal},
+          {"when_s", Spans(where.when_s)},
+          {"frequency_hz", Spans(where.frequency_hz)},
+          {"condition", where.condition}};
+}
+
 json ToJson(const Diagnosis& d) {
   json out = {{"verdict", ToString(d.verdict)},
               {"reason", d.reason},
               {"effects", json::array()},
               {"ambiguous_with", d.ambiguous_with},
               {"separating_experiment", {{"text", d.experiment_text}, {"scenario", d.experiment_scenario}}},
-              {"where_it_is_wrong",
-               {{"signal", d.where.signal},
-                {"when_s", Spans(d.where.when_s)},
-                {"frequency_hz", Spans(d.where.frequency_hz)},
-                {"condition", d.where.condition}}},
+              {"where_it_is_wrong", ToJson(d.where)},
               {"residual",
                {{"noise_floor", d.noise_floor},
                 {"at_noise_floor", d.at_noise_floor},
@@ -64,6 +67,15 @@ json ToJson(const Diagnosis& d) {
                 {"floor_by_signal", d.floor_by_signal},
                 {"rms_by_signal", d.residual_by_signal}}},
               {"gain", {{"train", ToJson(d.train, false)}, {"holdout", ToJson(d.holdout, true)}}},
+              {"explained", json()},
+              {"given", d.given},
+              {"released", d.released.empty() ? json() : json(d.released)},
+              {"with_cause", d.with_cause},
+              {"left", json::object()},
+              {"lines", json::array()},
+              {"horizon_s", OrNull(d.horizon_s)},
+              {"unknown_forces", json()},
+              {"not_testable", json::array()},
               {"extended_scenario", d.extended_scenario},
               {"would_have_seen", json::array()},
               {"considered", json::array()},
@@ -81,6 +93,17 @@ json ToJson(const Diagnosis& d) {
                               {"confidence", OrNull(effect.confidence)},
                               {"parameters", parameters}});
   }
+  if (d.explained)
+    out["explained"] = {{"share", d.explained->value}, {"ci95", {d.explained->lower, d.explained->upper}}};
+  for (const auto& [name, left] : d.left) {
+    out["left"][name] = ToJson(left.where);
+    out["left"][name]["nrmse"] = left.nrmse;
+    out["left"][name].erase("signal");
+  }
+  for (const LineLeft& line : d.lines)
+    out["lines"].push_back({{"signal", line.signal}, {"frequency_hz", line.hz}, {"share", line.share}});
+  for (const NotTestable& one : d.not_testable)
+    out["not_testable"].push_back({{"name", one.name}, {"at", one.at}, {"reason", one.reason}});
   for (const Seen& seen : d.would_have_seen)
     out["would_have_seen"].push_back(
         {{"name", seen.name}, {"at", seen.at}, {"smallest", seen.smallest}, {"unit", seen.unit}});

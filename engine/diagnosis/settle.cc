@@ -111,27 +111,35 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     settled.exact = true;
     settled.level = *level;
     const Weights weights(contest.contestants, levels, *level);
-    std::vector<std::size_t> standing;
+    std::vector<std::size_t> standing, only_here;  // the latter: on these data, not on those that took no part
     for (std::size_t i = 1; i < all.size(); ++i) {
       if (!all[i].Holds(*level)) continue;
       settled.journal.push_back(EntryOf(contest, levels, weights, *level, i));
       bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
-                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level) &&
-                    HoldsElsewhere(held_out, i, *level);
+                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
       for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
-      if (stands) standing.push_back(i);
+      if (stands) (HoldsElsewhere(held_out, i, *level) ? standing : only_here).push_back(i);
     }
-    KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
-    std::ranges::stable_sort(standing, [&](std::size_t a, std::size_t b) {
+    const auto by_share = [&](std::size_t a, std::size_t b) {
       return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);
-    });
+    };
+    KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
+    std::ranges::stable_sort(standing, by_share);
+    std::ranges::stable_sort(only_here, by_share);
     settled.rule = "a model leaves nothing but noise (" + levels.Name(*level) + ", " + pass + ")";
     settled.causes = standing;
     if (standing.empty()) {
       const bool null = all[0].Holds(*level) && IsExact(all[0].levels[*level]) && *level == levels.free_run();
-      settled.verdict = null ? Verdict::kNoEffect : Verdict::kUnexplained;
-      settled.reason = null ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
-                            : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
+      settled.verdict = null && only_here.empty() ? Verdict::kNoEffect : Verdict::kUnexplained;
+      if (!only_here.empty()) {
+        settled.best = only_here.front();
+        settled.reason =
+            fmt::format("{} leaves nothing but noise, but does not gain on the hold-out", all[*settled.best].Name());
+      } else {
+        settled.reason = null
+                             ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
+                             : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
+      }
     } else if (standing.size() == 1) {
       settled.verdict = Verdict::kEffectFound;
       settled.reason =

@@ -41,6 +41,11 @@ struct Estimate {
   std::string broken;       // why there is no estimate; empty: there is one
 
   bool ok() const { return broken.empty(); }
+  /// Gives back the memory of all that has a row for each of the data's.
+  void DropRows() {
+    for (Eigen::VectorXd* rows : {&innovations, &weighted}) rows->resize(0);
+    jacobian.resize(0, 0);
+  }
 };
 
 /// Columns of the Jacobian that another fit at the same level has found, by the names of its parameters: a first look at a

@@ -24,6 +24,14 @@ Eigen::VectorXd BoundsOf(const std::vector<Parameter>& parameters, double (*pick
   return bounds;
 }
 
+/// Without a prior, anywhere within a decade of its nominal value.
+void Release(Parameter& parameter, double nominal) {
+  const double far = kReleased * std::abs(nominal);
+  parameter.prior = false;
+  parameter.lower = parameter.logarithmic ? std::min(nominal / kReleased, nominal * kReleased) : -far;
+  parameter.upper = parameter.logarithmic ? std::max(nominal / kReleased, nominal * kReleased) : far;
+}
+
 }  // namespace
 
 void Hypothesis::Insert(std::size_t at, Parameter parameter, double value) {
@@ -67,14 +75,18 @@ Hypothesis Hypothesis::WithNominalValues(const Registry& registry, bool released
     parameter.lower = parameter.ValueAt(-kBound);
     parameter.upper = parameter.ValueAt(kBound);
     if (released) {
-      const double far = kReleased * std::abs(value->number());
-      parameter.prior = false;
-      parameter.lower = known.relative ? std::min(value->number() / kReleased, value->number() * kReleased) : -far;
-      parameter.upper = known.relative ? std::max(value->number() / kReleased, value->number() * kReleased) : far;
+      Release(parameter, value->number());
       if (!(parameter.lower < parameter.upper)) continue;
     }
     more.Insert(more.parameters_.size(), std::move(parameter), value->number());
   }
+  return more;
+}
+
+Hypothesis Hypothesis::WithReleased(const std::string& name) const {
+  Hypothesis more = *this;
+  const auto own = std::ranges::find(more.parameters_, name, &Parameter::name);
+  if (own != more.parameters_.end()) Release(*own, nominal_.root.NumberOr(name, own->reference));
   return more;
 }
 

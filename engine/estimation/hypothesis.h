@@ -29,6 +29,8 @@ class Hypothesis {
   /// The same without priors, anywhere within a decade: a model that was fitted without its missing effect has swallowed it,
   /// and gives it back only when it is let go.
   Hypothesis WithNominalValuesReleased(const Registry& registry) const;
+  /// One of the plan's free numbers without its prior, anywhere within a decade.
+  Hypothesis WithReleased(const std::string& name) const;
   /// Where a record starts, in the numbers that its plant declares for that, as far as the plan holds them for it
   /// (StartOfRecord()): each with its prior.
   Hypothesis WithStartFree(std::size_t record, const Registry& registry) const;

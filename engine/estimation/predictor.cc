@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/random.h"
 #include "base/subnormals.h"
 #include "estimation/sensor_chain.h"
 #include "experiment/drive_by_record.h"
@@ -126,10 +127,10 @@ std::optional<Observer> Predictor::ObserverOf(std::optional<double> memory_s) co
   return Observer(*model_, noise, StepOf(data_->records().front()), *memory_s);
 }
 
-Status Predictor::RunBeside(const BuiltRun& run, std::size_t r, VectorXd& innovations) const {
+Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std::size_t r,
+                            VectorXd& innovations) const {
   const FlushSubnormals flush;
   const Rig& rig = *run.rig;
-  const MappedRecord& record = data_->records()[r];
   const double period_s = rig.SecondsOf(rig.period);
   const std::size_t count = model_->outputs.size();
   std::vector<std::size_t> lines;
@@ -188,7 +189,7 @@ Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
         BuildRun(StartingInto(plan, r), data_->records()[r], *registry_, decompositions_.get());
     if (!run.ok()) return run.failure();
     ++simulations_;
-    if (Status failed = RunBeside(*run, r, innovations)) return *failed;
+    if (Status failed = RunBeside(*run, data_->records()[r], r, innovations)) return *failed;
   }
   if (!innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
   return innovations;
@@ -215,12 +216,49 @@ VectorXd Predictor::NoiseAlone(const Plan& plan) const {
   for (Index j = 0; j < white.size(); ++j)
     white[j] =
         std::ranges::find(data_->channels(), model_->outputs[static_cast<std::size_t>(j)], &Channel::name)->white;
+  if (!own.ok() && learned_.size() > 0) return learned_;
   const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : *model_, white);
   for (Index c = 0; c < alone.size(); ++c) {
     const std::string& name = data_->channels()[static_cast<std::size_t>(c)].name;
     alone[c] = std::max(alone[c], by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()]);
   }
   return alone;
+}
+
+void Predictor::LearnNoise(const Plan& nominal) {
+  constexpr std::uint64_t kSeed = 1;
+  if (free_run() || !(leads_.empty())) return;
+  const auto run_beside = [&](bool louder) -> Result<VectorXd> {
+    VectorXd innovations = VectorXd::Zero(data_->measured().size());
+    for (std::size_t r = 0; r < data_->records().size(); ++r) {
+      MappedRecord record = data_->records()[r];
+      const Result<BuiltRun> run = BuildRun(StartingInto(nominal, r), record, *registry_, decompositions_.get());
+      if (!run.ok()) return run.failure();
+      if (model_->Reduced(*run, *run).ok()) return Failure{"it is linear"};
+      std::uint64_t stream = r * model_->outputs.size();
+      for (auto& [name, series] : record.outputs) {
+        const auto channel = std::ranges::find(data_->channels(), name, &Channel::name);
+        std::vector<double> values = *series.values;
+        for (std::size_t i = 0; louder && channel != data_->channels().end() && i < values.size(); ++i)
+          values[i] += channel->white * RandomNormal(kSeed, stream, i);
+        series.values = std::make_shared<const std::vector<double>>(std::move(values));
+        ++stream;
+      }
+      ++simulations_;
+      if (Status failed = RunBeside(*run, record, r, innovations)) return *failed;
+    }
+    return innovations;
+  };
+  const Result<VectorXd> as_is = run_beside(false), louder = run_beside(true);
+  if (!as_is.ok() || !louder.ok() || !as_is->allFinite() || !louder->allFinite()) return;
+  VectorXd learned(std::ssize(data_->channels()));
+  for (Index c = 0; c < learned.size(); ++c) {
+    const Channel& channel = data_->channels()[static_cast<std::size_t>(c)];
+    const auto moved = (*louder - *as_is).segment(channel.begin, channel.count);
+    learned[c] = std::hypot(channel.noise,
+                            std::sqrt(moved.squaredNorm() / static_cast<double>(std::max<Index>(1, channel.count))));
+  }
+  learned_ = learned;
 }
 
 }  // namespace dynoproof::estimation

@@ -39,6 +39,10 @@ class Predictor {
   /// RMS by channel that measurement noise alone causes in them. Of a model that is not linear, or has states that the
   /// nominal one has not, it is that of the nominal one.
   Eigen::VectorXd NoiseAlone(const Plan& plan) const;
+  /// Where the nominal plan is not linear, NoiseAlone() is henceforth what its run tells: how far it moves when the record that
+  /// corrects it gets as much white noise again. Noise that comes before an impact moves the impact, which no linear model
+  /// knows. Not thread-safe.
+  void LearnNoise(const Plan& nominal);
 
   /// Whether guards are in that plan's rig, so that small changes are not seen as such. False where it cannot be built.
   bool IsRough(const Plan& plan) const;
@@ -54,13 +58,14 @@ class Predictor {
   };
 
   std::optional<Observer> ObserverOf(std::optional<double> memory_s) const;
-  Status RunBeside(const BuiltRun& run, std::size_t record, Eigen::VectorXd& innovations) const;
+  Status RunBeside(const BuiltRun& run, const MappedRecord& record, std::size_t r, Eigen::VectorXd& innovations) const;
 
   const DataSet* data_;
   const LinearModel* model_;
   const Registry* registry_;
   std::vector<Lead> leads_;  // one after the other
   std::optional<Observer> observer_;
+  Eigen::VectorXd learned_;  // by channel, what noise makes of the nominal run; empty: it is linear
   std::shared_ptr<mechanics::Decompositions> decompositions_;
   mutable std::atomic<std::int64_t> simulations_ = 0;
 };

@@ -118,7 +118,7 @@ TEST_F(DiagnosedData, InterruptedGoesOnToTheSameVerdict) {
   ASSERT_EQ(stopped.exit, 4) << stopped.Both();
   EXPECT_THAT(stopped.err, HasSubstr("--resume"));
   const nlohmann::json saved = nlohmann::json::parse(ReadBytes(state), nullptr, false);
-  ASSERT_TRUE(saved.contains("screening")) << "whole, whenever it was stopped";
+  ASSERT_TRUE(saved.contains("points")) << "whole, whenever it was stopped";
   for (const char* file : {"stopped.html", "found/extended.toml"}) EXPECT_FALSE(fs::exists(bench_ / file)) << file;
   const nlohmann::json answer = nlohmann::json::parse(ReadBytes(bench_ / "stopped.json"));
   EXPECT_EQ(answer["exit"], 4);

@@ -58,8 +58,7 @@ TEST_F(SlowRealData, DiagnoseFindsTheSpringThatHardens) {
   ASSERT_EQ(result["effects"].size(), 1u) << result.dump(1);
   EXPECT_EQ(result["effects"][0]["name"], "cubic_stiffness");
   EXPECT_EQ(result["effects"][0]["at"], "shaft:spring");
-  // What is left, 0.6 %, is no noise, and the verdict says so.
-  EXPECT_EQ(result["verdict"], "unexplained") << result.dump(1);
+  EXPECT_EQ(result["verdict"], "effect_found") << result.dump(1);
   EXPECT_GT(result["gain"]["holdout"]["y"]["gain_ci95"][0], 0.05) << result.dump(1);
   EXPECT_EQ(bench_.Call({"validate", "found/extended.toml"}).exit, 0);
 }
@@ -69,9 +68,11 @@ TEST_F(SlowRealData, DiagnoseFindsPartOfABandDamperAndSaysSo) {
   if (!fs::exists(slow)) GTEST_SKIP() << slow << " is not here";
   const nlohmann::json result = bench_.Json({"diagnose", Real("friction_damper.toml"), "--data", slow, "--holdout",
                                              fast, "--map", Real("friction_damper_short.toml"), "--out", "found"});
-  EXPECT_EQ(result["verdict"], "unexplained") << result.dump(1);
+  EXPECT_EQ(result["verdict"], "main_cause") << result.dump(1);
   ASSERT_EQ(result["effects"].size(), 1u) << result.dump(1);
   EXPECT_EQ(result["effects"][0]["name"], "dahl_friction");
+  EXPECT_GT(result["explained"]["ci95"][0], 0.5) << result.dump(1);
+  EXPECT_TRUE(result["left"].contains("F")) << result.dump(1);
   EXPECT_EQ(result["effects"][0]["at"], "inertia:rod");
   EXPECT_FALSE(result["residual"]["at_noise_floor"].get<bool>());
   EXPECT_GT(result["gain"]["holdout"]["F"]["gain_ci95"][0], 0.3) << result["gain"];  // 0.93 -> 0.29 on the long part

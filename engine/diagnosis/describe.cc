@@ -1,0 +1,285 @@
+#include "diagnosis/describe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/extend.h"
+#include "estimation/horizon.h"
+#include "experiment/drive_by_record.h"
+#include "identification/nuisance.h"
+#include "identification/residual_tests.h"
+#include "identification/start.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using Predictions = Result<Eigen::VectorXd>;
+
+/// A fit as the report and the extended scenario take it: nominal values in deviations, effects with their numbers. `plan`:
+/// of the fit, from where the records start.
+identification::Hypothesis AsReported(const EstimationProblem& problem, const Contestant& one, const Eigen::VectorXd& q,
+                                      const Plan& plan) {
+  identification::Hypothesis hypothesis = problem.Nominal();
+  const auto& parameters = one.hypothesis.parameters();
+  for (std::size_t k = 0; k < problem.nuisances().size(); ++k) {
+    const identification::Nuisance& nuisance = problem.nuisances()[k];
+    const double nominal = problem.plan().root.NumberOr(nuisance.path, 0.0);
+    double value = nominal;
+    if (nuisance.start) {
+      value = plan.root.NumberOr(StartOfRecord(0) + "." + nuisance.path, nominal);
+    } else {
+      const auto own = std::ranges::find(parameters, nuisance.path, &estimation::Parameter::name);
+      if (own == parameters.end()) continue;
+      value = own->ValueAt(q[own - parameters.begin()]);
+    }
+    hypothesis.z[k] = (nuisance.relative ? std::log(value / nominal) : value - nominal) / nuisance.spread;
+  }
+  std::size_t next = 0;
+  for (const auto& [effect, place] : one.hypothesis.effects()) {
+    std::vector<double> values(effect->info().parameters.size());
+    for (double& value : values) {
+      value = parameters[next].ValueAt(q[static_cast<Eigen::Index>(next)]);
+      ++next;
+    }
+    hypothesis.effects.push_back({effect, place, std::move(values)});
+  }
+  return hypothesis;
+}
+
+/// The numbers of all effects of a model with intervals: at the deciding level of an exact one, else the hull over all levels,
+/// for how much a number depends on what is taken for unknown is what the model's error makes of it.
+std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, const Settled& settled) {
+  constexpr double kTwoSided = 1.959964;
+  const estimation::Estimate& fit = one.levels[settled.level];
+  Eigen::VectorXd low = fit.q, high = fit.q;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!one.Holds(level) || (settled.exact && level != settled.level)) continue;
+    const Eigen::VectorXd half =
+        kTwoSided *
+        estimation::Sandwich(one.levels[level], levels.data(), one.hypothesis).diagonal().cwiseMax(0.0).cwiseSqrt();
+    low = low.cwiseMin(one.levels[level].q - half);
+    high = high.cwiseMax(one.levels[level].q + half);
+  }
+  std::vector<FoundEffect> all;
+  Eigen::Index i = 0;
+  for (const auto& [effect, place] : one.hypothesis.effects()) {
+    FoundEffect found;
+    found.name = effect->info().name;
+    found.at = place.ToString();
+    for (const EffectParameter& known : effect->info().parameters) {
+      const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
+      const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
+      found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+      ++i;
+    }
+    all.push_back(std::move(found));
+  }
+  return all;
+}
+
+/// The outcome of the comparison for a candidate, or the reason why it took no part.
+std::string OutcomeOf(const Settled& settled, const Contestant& one) {
+  const auto entry = std::ranges::find_if(settled.journal, [&](const JournalEntry& some) {
+    return !some.compared.empty() && some.compared.front() == one.Name();
+  });
+  return entry != settled.journal.end() ? entry->outcome : one.levels[settled.level].broken;
+}
+
+/// RMS over the channels of what a model leaves at a level, over the spread of the signal; NaN where its run breaks.
+double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
+  if (!one.Holds(level)) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  const std::vector<estimation::Channel>& channels = levels.data().channels();
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    sum += std::pow(one.levels[level].scales[c].rms / std::max(channels[c].spread, 1e-300), 2);
+  return std::sqrt(sum / static_cast<double>(channels.size()));
+}
+
+/// The nominal plan from the start of the records that a model has found.
+Plan FromTheStartOf(const Plan& begun, const Contestant& one, const Eigen::VectorXd& q) {
+  Plan plan = begun;
+  for (std::size_t i = one.hypothesis.of_effects(); i < one.hypothesis.parameters().size(); ++i) {
+    const estimation::Parameter& parameter = one.hypothesis.parameters()[i];
+    Value* value = parameter.name.starts_with("start_of_record.") ? plan.root.FindPath(parameter.name) : nullptr;
+    if (value != nullptr) *value = Value(parameter.ValueAt(q[static_cast<Eigen::Index>(i)]));
+  }
+  return plan;
+}
+
+/// Free runs of three models over the rows that took no part: as given, with nominal values released, with the cause.
+struct Judged {
+  EstimationProblem problem;
+  double from = 0.0;  // share of each channel that is not judged
+  Predictions given, released, with_cause;
+};
+
+Judged JudgeOf(const Task& task, const Plan& given, const std::optional<Plan>& released, const Plan& with_cause) {
+  const bool own = !task.holdout.empty();
+  Judged judged{EstimationProblem(task.problem.plan(), own ? task.holdout : task.data, task.problem.registry()),
+                own ? 0.0 : kFittedShare, Failure{"not fitted"}, Failure{"not fitted"}, Failure{"not fitted"}};
+  // Other records begin elsewhere: as the scenario does, or, in motion, where it suits each model best by their first tenth.
+  if (own && std::ranges::any_of(task.holdout, &MappedRecord::in_motion)) judged.from = identification::kStartShare;
+  const auto predict = [&](Plan plan) -> Predictions {
+    if (own) {
+      plan.root.Erase("start_of_record");
+      Result<Plan> started = identification::FitStarts(judged.problem, std::move(plan), judged.from);
+      if (!started.ok()) return started.failure();
+      plan = *std::move(started);
+    }
+    return judged.problem.PredictPlan(plan);
+  };
+  judged.given = predict(given);
+  judged.with_cause = predict(with_cause);
+  if (released) judged.released = predict(*released);
+  return judged;
+}
+
+std::map<std::string, double> NrmseBySignal(const Judged& judged, const Predictions& predicted) {
+  std::map<std::string, double> all;
+  if (!predicted.ok()) return all;
+  for (const auto& [name, gain] : GainsOf(judged.problem, *predicted, *predicted, judged.from)) all[name] = gain.after;
+  return all;
+}
+
+/// Effects at places that these records cannot show.
+std::vector<NotTestable> NotTestableOf(const EstimationProblem& problem) {
+  std::vector<NotTestable> all;
+  for (const Effect* effect : problem.registry().Effects()) {
+    for (const Place& place : effect->Places(problem.plan())) {
+      if (CanBeSeen(place, problem.channels(), problem.records().front())) continue;
+      all.push_back({effect->info().name, place.ToString(),
+                     place.kind == "output" ? "no record has this output" : "no record drives this input"});
+    }
+  }
+  return all;
+}
+
+void TestResidual(const EstimationProblem& problem, const Eigen::VectorXd& predicted, Diagnosis& result) {
+  const auto structure = identification::FindStructure(problem, problem.measured() - predicted, predicted);
+  result.tests = identification::TestsOf(structure);
+  for (const identification::Structure& one : structure) {
+    if (!one.tested) continue;
+    if (one.HasLine()) result.lines.push_back({one.signal, one.line_hz, one.line_share});
+    result.journal.push_back({"residual tests",
+                              {one.signal},
+                              "independent of inputs and predicted outputs, no line, no larger than noise",
+                              {{"regression_f_p_value", one.p_value},
+                               {"explained_share", one.explained},
+                               {"line_fisher_g_p_value", one.line_p_value},
+                               {"line_share", one.line_share},
+                               {"line_hz", one.line_hz},
+                               {"over_high_frequency_level", one.over_floor},
+                               {"over_one_step_error", one.rings},
+                               {"over_spread", one.size}},
+                              one.found() ? one.Text() : "noise"});
+  }
+}
+
+/// What a main cause leaves, by signal, on the rows that took no part.
+void Leave(const Judged& judged, const Diagnosis& result, std::map<std::string, Left>& left) {
+  if (!judged.with_cause.ok()) return;
+  const Eigen::VectorXd residual = judged.problem.measured() - *judged.with_cause;
+  for (std::size_t c = 0; c < judged.problem.channels().size(); ++c) {
+    const Channel& channel = judged.problem.channels()[c];
+    const auto gain = result.holdout.find(channel.name);
+    const auto floor = result.floor_by_signal.find(channel.name);
+    if (gain == result.holdout.end() || floor == result.floor_by_signal.end()) continue;
+    left[channel.name] = {gain->second.after, LocaliseIn(judged.problem, residual, c, floor->second)};
+  }
+}
+
+}  // namespace
+
+Status Describe(const Task& task, const Levels& levels, const Contest& contest, const Settled& settled,
+                const std::optional<Contestant>& released, const std::vector<std::string>& alike, Diagnosis& result) {
+  const EstimationProblem& problem = task.problem;
+  const std::size_t chosen = !settled.causes.empty() ? settled.causes.front() : settled.best.value_or(0);
+  const Contestant& model = contest.contestants[chosen];
+  std::size_t level = settled.level;
+  while (level > 0 && !model.Holds(level)) --level;
+  if (!model.Holds(level)) return {};
+  const estimation::Estimate& fit = model.levels[level];
+  result.effects = FoundOf(model, levels, settled);
+  if (result.verdict == Verdict::kAmbiguous) {
+    std::vector<std::string> names;
+    std::vector<identification::EffectInstance> instances;
+    for (const std::size_t i : settled.causes) {
+      const Contestant& one = contest.contestants[i];
+      names.push_back(one.effect().info().name + "@" + one.place().ToString());
+      instances.push_back(AsReported(problem, one, one.levels[level].q, task.begun).effects.back());
+    }
+    names.insert(names.end(), alike.begin(), alike.end());
+    result.ambiguous_with.push_back(names);
+    result.experiment_text = SeparatingText(problem, instances);
+    if (const Result<std::string> file = WriteSeparating(problem, instances, task.options); file.ok())
+      result.experiment_scenario = *file;
+  }
+  // A model that is not exact is fitted where its run is corrected, which says little of where the records start.
+  Plan with_cause = model.hypothesis.At(fit.q);
+  if (!settled.exact) {
+    if (const Result<Plan> started = identification::FitStarts(problem, with_cause); started.ok())
+      with_cause = *started;
+  }
+  identification::Hypothesis hypothesis = AsReported(problem, model, fit.q, with_cause);
+  const Plan given = FromTheStartOf(task.begun, model, fit.q);
+  std::optional<Plan> let_go;
+  if (released && released->Holds(level)) let_go = released->hypothesis.At(released->levels[level].q);
+  const Predictions before = problem.PredictPlan(given), after = problem.PredictPlan(with_cause);
+  if (before.ok() && after.ok()) result.train = GainsOf(problem, *before, *after, 0.0);
+  const Judged judged = JudgeOf(task, given, let_go, with_cause);
+  if (judged.given.ok() && judged.with_cause.ok()) {
+    result.holdout = GainsOf(judged.problem, *judged.given, *judged.with_cause, judged.from);
+    result.explained = ExplainedShare(judged.problem, *judged.given, *judged.with_cause, judged.from);
+  }
+  result.given = NrmseBySignal(judged, judged.given);
+  result.released = NrmseBySignal(judged, judged.released);
+  result.with_cause = NrmseBySignal(judged, judged.with_cause);
+  std::vector<double> floors;
+  double floor = 0.0;
+  for (std::size_t c = 0; c < levels.data().channels().size(); ++c) {
+    const estimation::Channel& channel = levels.data().channels()[c];
+    result.floor_by_signal[channel.name] = channel.noise;
+    floors.push_back(channel.noise);
+    const auto rows = fit.innovations.segment(channel.begin, channel.count);
+    result.residual_by_signal[channel.name] =
+        std::sqrt(rows.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, channel.count)));
+    floor += std::pow(channel.noise / std::max(channel.spread, 1e-300), 2);
+  }
+  result.noise_floor = std::sqrt(floor / static_cast<double>(floors.size()));
+  result.at_noise_floor = IsExact(fit);
+  if (result.verdict == Verdict::kMainCause) Leave(judged, result, result.left);
+  if (before.ok()) result.where = Localise(problem, problem.measured() - *before, floors);
+  if (after.ok()) TestResidual(problem, *after, result);
+  result.not_testable = NotTestableOf(problem);
+  if (const auto horizon = estimation::HorizonOf(given, problem.records().front(), problem.registry());
+      horizon.ok() && *horizon)
+    result.horizon_s = (*horizon)->horizon_s;
+  for (std::size_t i = 0; i < hypothesis.z.size(); ++i) {
+    const identification::Nuisance& nuisance = problem.nuisances()[i];
+    if (hypothesis.z[i] == 0.0) continue;
+    const auto value = identification::ValueOf(nuisance, hypothesis.z[i], problem.plan());
+    result.refitted.push_back({nuisance.path, value.nominal, value.value, hypothesis.z[i], nuisance.start});
+  }
+  for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
+    const Contestant& one = contest.contestants[i];
+    const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
+    const std::size_t at = one.Holds(level) ? level : contest.first;
+    result.considered.push_back({one.effect().info().name, one.place().ToString(),
+                                 named              ? ""
+                                 : contest.complete ? OutcomeOf(settled, one)
+                                                    : "the search ended before it was followed",
+                                 NrmseOf(one, levels, at)});
+  }
+  if (result.effects.empty()) return {};
+  identification::Estimate reported;
+  reported.hypothesis = std::move(hypothesis);
+  const Result<std::string> file = WriteExtended(problem, reported, result, task.options);
+  if (!file.ok()) return file.failure();
+  result.extended_scenario = *file;
+  return {};
+}
+
+}  // namespace dynoproof::diagnosis

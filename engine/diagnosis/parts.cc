@@ -1,0 +1,99 @@
+#include "diagnosis/parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "diagnosis/policy.h"
+#include "experiment/drive_by_record.h"
+#include "identification/estimation_problem.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr Eigen::Index kRows = 4000;  // of a channel, that are compared
+
+/// Mean over channels of the logarithm of the power that a plan leaves in its free run.
+double LogPowerOf(const Plan& plan, const Levels& levels) {
+  const Result<Eigen::VectorXd> rows = levels[levels.free_run()].Innovations(plan);
+  if (!rows.ok()) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const estimation::Channel& channel : levels.data().channels())
+    sum += std::log(std::max(rows->segment(channel.begin, channel.count).squaredNorm() /
+                                 static_cast<double>(std::max<Eigen::Index>(1, channel.count)),
+                             std::numeric_limits<double>::min()));
+  return sum / static_cast<double>(levels.data().channels().size());
+}
+
+/// The log excess of a plan's innovations.
+std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::size_t level) {
+  const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
+  if (!rows.ok()) return std::nullopt;
+  return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
+}
+
+}  // namespace
+
+Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                    const Registry& registry) {
+  constexpr double kAsWell = 1.5;  // times the power
+  std::vector<MappedRecord> first = data, later = holdout.empty() ? data : holdout;
+  if (holdout.empty()) {
+    for (MappedRecord& record : first) {
+      record = OntoClock(std::move(record), plan);
+      identification::CutRecord(record, kFittedShare);
+    }
+  }
+  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
+  if (!training.ok()) return training.failure();
+  if (std::ranges::any_of(first, &MappedRecord::in_motion)) {
+    for (MappedRecord& record : first) record.in_motion = false;
+    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
+    if (unled.ok() && LogPowerOf(plan, **unled) <= LogPowerOf(plan, **training) + std::log(kAsWell)) {
+      training = std::move(unled);
+      if (holdout.empty()) {
+        for (MappedRecord& record : later) record.in_motion = false;
+      }
+    }
+  }
+  const double from_s = holdout.empty() ? kFittedShare * data.front().end_s : 0.0;
+  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from_s, kRows, training->get());
+  if (!held.ok()) return held.failure();
+  return Parts{*std::move(training), *std::move(held)};
+}
+
+HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {
+  HeldOut all;
+  for (std::size_t level = 0; level < levels.size(); ++level) all.push_back(LogExcessAt(plan, levels, level));
+  return all;
+}
+
+std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, const HeldOut& given, bool own) {
+  std::vector<HeldOut> all(contest.contestants.size(), HeldOut(held_out.size()));
+  ParallelFor(all.size(), 0, [&](std::size_t i) {
+    const Contestant& one = contest.contestants[i];
+    for (std::size_t level = contest.first; level < held_out.size(); ++level) {
+      if (!one.Holds(level)) continue;
+      Plan plan = one.hypothesis.At(one.levels[level].q);
+      if (own) plan.root.Erase("start_of_record");
+      all[i][level] = LogExcessAt(plan, held_out, level);
+      if (all[i][level]) *all[i][level] -= given[level].value_or(0.0);
+    }
+  });
+  return all;
+}
+
+std::vector<double> LeastOf(const std::vector<std::vector<HeldOut>>& passes, std::size_t levels) {
+  std::vector<double> least(levels, 0.0);
+  for (const auto& pass : passes) {
+    for (const HeldOut& one : pass) {
+      for (std::size_t level = 0; level < levels; ++level)
+        least[level] = std::min(least[level], one[level].value_or(0.0));
+    }
+  }
+  return least;
+}
+
+}  // namespace dynoproof::diagnosis
