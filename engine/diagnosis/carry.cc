@@ -118,6 +118,15 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 
+/// Whether a level hears noise about as softly as the free run does. Where a correction makes it louder, models pass for exact
+/// that the free run tells apart.
+bool IsQuiet(const Estimate& estimate, const estimation::DataSet& data) {
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
+    if (estimate.scales[c].noise_alone > policy::kQuiet * data.channels()[c].noise) return false;
+  }
+  return true;
+}
+
 /// Why nobody follows a contestant beyond a level; empty: it is followed.
 std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t first,
                                 std::size_t level) {
@@ -128,9 +137,10 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
   };
   double most = 0.0;
   for (const Contestant& one : contestants) most = std::max(most, share(one, level));
-  const bool found = level > 0 && std::ranges::any_of(contestants, [&](const Contestant& one) {
-                       return one.Holds(level) && IsExact(one.levels[level]);
-                     });
+  const bool found =
+      level > 0 && std::ranges::any_of(contestants, [&](const Contestant& one) {
+        return one.Holds(level) && IsExact(one.levels[level]) && IsQuiet(one.levels[level], levels.data());
+      });
   std::optional<Weights> weights;
   if (found) weights.emplace(contestants, levels, level);
   for (std::size_t i = 1; i < contestants.size(); ++i) {

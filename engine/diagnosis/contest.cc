@@ -56,7 +56,7 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
   Contestant null(std::move(free));
   std::vector<const Predictor*> order;
   for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
-  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6, .near = true});
+  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6});
   return null;
 }
 

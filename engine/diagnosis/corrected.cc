@@ -211,6 +211,17 @@ class Pipeline {
   }
 
   void Enter(const Contest& contest, const Settled& settled, const std::string& stage) {
+    JournalEntry base{"null model", {contest.null().Name()}, "RMS over what noise alone causes, " + stage, {}, ""};
+    for (std::size_t level = 0; level < levels_.size(); ++level) {
+      const estimation::Estimate& fit = contest.null().levels[level];
+      double largest = 0.0;
+      for (const estimation::ChannelScale& scale : fit.scales)
+        largest = std::max(largest, scale.rms / scale.noise_alone);
+      if (fit.ok())
+        base.numbers.emplace_back(levels_.Name(level), largest);
+      else
+        base.outcome += levels_.Name(level) + " breaks: " + fit.broken + "; ";
+    }
     JournalEntry looked{"first look",
                         {},
                         "share of what the null leaves, " + stage,
@@ -225,6 +236,7 @@ class Pipeline {
     for (const Contest::Cost& one : contest.cost)
       cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));
     Journal& journal = result_.journal;
+    journal.push_back(std::move(base));
     journal.push_back(std::move(looked));
     journal.insert(journal.end(), settled.journal.begin(), settled.journal.end());
     journal.push_back(std::move(cost));

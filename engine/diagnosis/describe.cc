@@ -208,7 +208,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     std::vector<identification::EffectInstance> instances;
     for (const std::size_t i : settled.causes) {
       const Contestant& one = contest.contestants[i];
-      names.push_back(one.effect().info().name + "@" + one.place().ToString());
+      names.push_back(one.Name());
       instances.push_back(AsReported(problem, one, one.levels[level].q, task.begun).effects.back());
     }
     names.insert(names.end(), alike.begin(), alike.end());

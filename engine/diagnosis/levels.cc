@@ -63,6 +63,9 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     else
       all.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
   }
+  if (!in_motion && from_s > 0.0 && all.back()->free_run())
+    levels->from_the_start_ =
+        std::make_unique<Predictor>(*levels->data_, levels->model_, registry, std::nullopt, known);
   for (const auto& predictor : all) predictor->LearnNoise(plan);
   return levels;
 }

@@ -32,6 +32,9 @@ class Levels {
   std::size_t corrected() const { return corrected_; }
   /// The longest memory that is well below the record's length, or the first.
   std::size_t longest() const { return longest_; }
+  /// The free run from where the records begin, though it is compared later; null where the last level is that itself, or no
+  /// free run. Which of the two suits a model depends on whether it knows the start better, or an output accumulates.
+  const estimation::Predictor* from_the_start() const { return from_the_start_.get(); }
   /// "memory 0.025 s", "free run".
   std::string Name(std::size_t level) const;
   std::int64_t simulations() const;
@@ -42,6 +45,7 @@ class Levels {
   estimation::LinearModel model_;
   std::vector<double> memories_s_;
   std::vector<std::unique_ptr<estimation::Predictor>> predictors_;
+  std::unique_ptr<estimation::Predictor> from_the_start_;
   std::size_t corrected_ = 0, longest_ = 0;
 };
 

@@ -27,10 +27,18 @@ double LogPowerOf(const Plan& plan, const Levels& levels) {
 }
 
 /// The log excess of a plan's innovations.
-std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::size_t level) {
-  const Result<Eigen::VectorXd> rows = levels[level].Innovations(plan);
+std::optional<double> LogExcessBeside(const Plan& plan, const Levels& levels, const estimation::Predictor& predictor) {
+  const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
   if (!rows.ok()) return std::nullopt;
-  return LogExcess(estimation::ScalesOf(levels.data(), *rows, levels[level].NoiseAlone(plan)), levels.data());
+  return LogExcess(estimation::ScalesOf(levels.data(), *rows, predictor.NoiseAlone(plan)), levels.data());
+}
+
+/// At a level; of free runs that of the start which suits the plan better.
+std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::size_t level) {
+  const std::optional<double> led = LogExcessBeside(plan, levels, levels[level]);
+  if (level != levels.free_run() || levels.from_the_start() == nullptr) return led;
+  const std::optional<double> whole = LogExcessBeside(plan, levels, *levels.from_the_start());
+  return led && whole ? std::min(*led, *whole) : led ? led : whole;
 }
 
 }  // namespace

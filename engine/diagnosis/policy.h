@@ -51,6 +51,8 @@ inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
 /// steps and two sets on the heavy-duty line, models that went along a valley four hundred points. Of two coupled drives with four
 /// numbers 25 points were too few to find the right one, 60 were enough.
 inline constexpr int kSteps = 60, kColumns = 3;
+/// Noise that a level makes of a record's, over that, up to which a model that is exact there may rule out others.
+inline constexpr double kQuiet = 1.5;
 /// Power beyond the noise over the least of all at a level, from which on a fit is left as the null's columns gave it.
 inline constexpr double kFarBehind = 10.0;
 /// A fit ends where its next step would lower the excess by less than this share: at a first look, and on the way through the

@@ -52,10 +52,11 @@ void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, con
   });
 }
 
-/// Whether a model removes a share of what the plan as given and the null leave on data that took no part.
-bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level) {
-  if (!held_out[i][level]) return false;
-  return 1.0 - std::exp(*held_out[i][level] - std::min(0.0, held_out[0][level].value_or(0.0))) >= policy::kHeldOutPrior;
+/// The share that a model removes of what the plan as given and the null leave on data that took no part; nothing: its run
+/// breaks.
+std::optional<double> HeldOutShare(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level) {
+  if (!held_out[i][level]) return std::nullopt;
+  return 1.0 - std::exp(*held_out[i][level] - std::min(0.0, held_out[0][level].value_or(0.0)));
 }
 
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
@@ -114,11 +115,13 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     std::vector<std::size_t> standing, only_here;  // the latter: on these data, not on those that took no part
     for (std::size_t i = 1; i < all.size(); ++i) {
       if (!all[i].Holds(*level)) continue;
+      const std::optional<double> elsewhere = HeldOutShare(held_out, i, *level);
       settled.journal.push_back(EntryOf(contest, levels, weights, *level, i));
+      if (elsewhere) settled.journal.back().numbers.emplace_back("held_out_share", *elsewhere);
       bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
                     IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
       for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
-      if (stands) (HoldsElsewhere(held_out, i, *level) ? standing : only_here).push_back(i);
+      if (stands) (elsewhere && *elsewhere >= policy::kHeldOutPrior ? standing : only_here).push_back(i);
     }
     const auto by_share = [&](std::size_t a, std::size_t b) {
       return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);
