@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `diagnose` makes of records that somebody measured, beside what is documented of them.
 
-usage: bench/measured.py RECORDS [BUILD_FOLDER] [--only PART_OF_A_NAME] [--method METHOD] [--out DIR] [--json FILE] [--readme]
+usage: bench/measured.py RECORDS [BUILD_FOLDER] [--only PART_OF_A_NAME] [--out DIR] [--json FILE] [--readme]
 
 RECORDS is the folder of the public records, which are no part of this repository (tests/real has the scenarios and maps). Each
 record is diagnosed from a model without its documented cause: with numbers of a data sheet, and with numbers that were fitted
@@ -47,7 +47,7 @@ def diagnose(case, arguments):
     out = arguments.out / name.replace(" ", "_").replace(",", "")
     command = [str(arguments.build / "dynoproof"), "diagnose", str(REAL / f"{scenario}.toml"), "--data",
                str(arguments.records / data), "--holdout", str(arguments.records / holdout), "--out", str(out),
-               "--method", arguments.method, "--json", "-", "--html", str(out / "page.html")]
+               "--json", "-", "--html", str(out / "page.html")]
     for part in maps:
         command += ["--map", str(REAL / f"{part}.toml")]
     for change in sets:
@@ -105,7 +105,6 @@ def main():
     parser.add_argument("records", type=pathlib.Path)
     parser.add_argument("build", nargs="?", default=ROOT / "build", type=pathlib.Path)
     parser.add_argument("--only", default="")
-    parser.add_argument("--method", default="corrected")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "measured")
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--readme", action="store_true")

@@ -45,7 +45,6 @@ DECLARED_ELSEWHERE = {
     "engine/sim/reference_solver.cc": "sim/solver.h: the other one",
     "engine/plugins/plant/drive_line/drive_line_builder.cc": "drive_line.h: DriveLine::Create()",
     "engine/plugins/plant/drive_line/drive_line_traits.cc": "drive_line.h: DriveLine::Traits()",
-    "engine/identification/refine.cc": "estimator.h: Estimator::Refine()",
 }
 # Each command is an Add...() in app.h or in commands.h.
 COMMANDS = re.compile(r"engine/(app|thesis/commands)/\w+_command\.cc")

@@ -8,7 +8,6 @@
 #include "app/app.h"
 #include "app/interruption.h"
 #include "app/measured.h"
-#include "diagnosis/corrected.h"
 #include "diagnosis/data_check.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/look.h"
@@ -21,7 +20,7 @@ namespace {
 
 struct DiagnoseArguments {
   Common common;
-  std::string scenario, method = "corrected", out = "out", html;
+  std::string scenario, out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
   double most_simulations = diagnosis::DiagnoseOptions().most_simulations;
   double most_cpu_s = 0.0;
@@ -79,8 +78,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   Result<diagnosis::Diagnosis> result = [&] {
     const Interruption interruption(arguments.common,
                                     [] { return "interrupted: --resume goes on from the fits that are saved\n"; });
-    const auto diagnose = arguments.method == "corrected" ? diagnosis::DiagnoseCorrected : diagnosis::Diagnose;
-    return diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
+    return diagnosis::Diagnose(measured->plan, measured->data, measured->holdout, *registry, options);
   }();
   ClearProgress();
   if (!result.ok()) {
@@ -137,11 +135,6 @@ void AddDiagnose(CLI::App& program, int& exit) {
           "--most-cpu", arguments->most_cpu_s,
           "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--method", arguments->method,
-                   "corrected: what the records leave of runs that they correct, for models that are not exact either "
-                   "(default); free_run: of free runs, as before")
-      ->check(CLI::IsMember({"free_run", "corrected"}));
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
   AddExamples(

@@ -20,10 +20,10 @@ using estimation::Estimate;
 using estimation::Fit;
 using estimation::Hypothesis;
 
-/// Where a fit begins at a level: where the level before has come to, or at the null's values of this level, whichever leaves
-/// less. Where both are worse than the null itself, it begins there, with an effect that does next to nothing.
+/// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's values
+/// of this level, whichever leaves least. Where both are worse than the null itself, it begins there, with an effect that does next to nothing.
 VectorXd BestStart(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                   const VectorXd& from) {
+                   VectorXd from) {
   if (!null.Holds(level)) return from;
   const Hypothesis& hypothesis = contestant.hypothesis;
   const auto own = static_cast<Index>(hypothesis.of_effects());
@@ -35,10 +35,16 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
       noise[c] = null.levels[level].scales[static_cast<std::size_t>(c)].noise_alone;
     return LogExcess(estimation::ScalesOf(levels.data(), *rows, noise), levels.data());
   };
+  double of_from = excess(from);
+  if (contestant.Holds(level)) {
+    const VectorXd& looked = contestant.levels[level].q;
+    const double of_looked = excess(looked);
+    if (of_looked < of_from) from = looked, of_from = of_looked;
+  }
   VectorXd here = StartFrom(hypothesis, null.hypothesis, null.levels[level].q);
   const auto count = static_cast<Index>(contestant.effect().info().parameters.size());
   here.segment(own - count, count) = from.segment(own - count, count);
-  const double of_from = excess(from), of_here = excess(here);
+  const double of_here = excess(here);
   if (std::min(of_from, of_here) <= LogExcess(null.levels[level].scales, levels.data()))
     return of_from <= of_here ? from : here;
   constexpr double kNextToNothing = 0.01;  // of where it was
@@ -118,13 +124,14 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 
-/// Whether a level hears noise about as softly as the free run does. Where a correction makes it louder, models pass for exact
-/// that the free run tells apart.
-bool IsQuiet(const Estimate& estimate, const estimation::DataSet& data) {
-  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
-    if (estimate.scales[c].noise_alone > policy::kQuiet * data.channels()[c].noise) return false;
-  }
-  return true;
+/// Fits the level before once more from the values of this one, where it ended above the null and that ends lower.
+void LookBack(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
+  const std::size_t before = level - 1;
+  if (!contestant.Holds(level) || !contestant.Holds(before) || !null.Holds(before)) return;
+  if (ShareOf(contestant, null, levels, before) >= policy::kHarm) return;
+  Estimate again = FitFully(contestant, null, levels, before, contestant.levels[level].q);
+  if (again.ok() && LogExcess(again.scales, levels.data()) < LogExcess(contestant.levels[before].scales, levels.data()))
+    contestant.levels[before] = std::move(again);
 }
 
 /// Why nobody follows a contestant beyond a level; empty: it is followed.
@@ -199,6 +206,10 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);
       });
     }
+    // Where a fit has ended above the null, what it has come to here may be the better start there.
+    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+      if (i > 0 && level > first) LookBack(contestants[i], null, levels, level);
+    });
     for (std::size_t i = 1; i < contestants.size(); ++i) {
       if (!contestants[i].Holds(level)) continue;
       from[i] = contestants[i].levels[level].q;

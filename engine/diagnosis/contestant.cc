@@ -28,6 +28,13 @@ bool IsExact(const Estimate& estimate) {
       estimate.scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });
 }
 
+bool IsQuiet(const Estimate& estimate, const DataSet& data) {
+  for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
+    if (estimate.scales[c].noise_alone > policy::kQuiet * data.channels()[c].noise) return false;
+  }
+  return true;
+}
+
 bool HasExcess(const Estimate& estimate, const DataSet& data) {
   for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
     const ChannelScale& scale = estimate.scales[c];

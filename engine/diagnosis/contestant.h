@@ -28,6 +28,9 @@ struct Contestant {
 
 /// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
 bool IsExact(const estimation::Estimate& estimate);
+/// Whether a level hears noise about as softly as the free run does. Where a correction makes it louder, models pass for exact
+/// that the free run tells apart.
+bool IsQuiet(const estimation::Estimate& estimate, const estimation::DataSet& data);
 /// Whether they are larger by so much that an effect may show: a fifth of the noise's power, or five standard errors.
 bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& data);
 /// Mean over channels of the logarithm of the power beyond what noise alone causes. A channel that shows none beside the noise

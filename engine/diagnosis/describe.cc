@@ -5,8 +5,8 @@
 #include <limits>
 #include <set>
 
-#include "diagnosis/candidates.h"
 #include "diagnosis/extend.h"
+#include "diagnosis/trial.h"
 #include "estimation/horizon.h"
 #include "experiment/drive_by_record.h"
 #include "identification/nuisance.h"
@@ -57,9 +57,13 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
   Eigen::VectorXd low = fit.q, high = fit.q;
   for (std::size_t level = 0; level < levels.size(); ++level) {
     if (!one.Holds(level) || (settled.exact && level != settled.level)) continue;
+    // Where what is left is smaller than what counts as measured, its own scatter tells nothing: then the curvature does.
     const Eigen::VectorXd half =
-        kTwoSided *
-        estimation::Sandwich(one.levels[level], levels.data(), one.hypothesis).diagonal().cwiseMax(0.0).cwiseSqrt();
+        kTwoSided * estimation::Sandwich(one.levels[level], levels.data(), one.hypothesis)
+                        .diagonal()
+                        .cwiseMax(estimation::CurvatureOf(one.levels[level], one.hypothesis).diagonal())
+                        .cwiseMax(0.0)
+                        .cwiseSqrt();
     low = low.cwiseMin(one.levels[level].q - half);
     high = high.cwiseMax(one.levels[level].q + half);
   }
@@ -223,7 +227,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     if (const Result<Plan> started = identification::FitStarts(problem, with_cause); started.ok())
       with_cause = *started;
   }
-  identification::Hypothesis hypothesis = AsReported(problem, model, fit.q, with_cause);
+  const identification::Hypothesis hypothesis = AsReported(problem, model, fit.q, with_cause);
   const Plan given = FromTheStartOf(task.begun, model, fit.q);
   std::optional<Plan> let_go;
   if (released && released->Holds(level)) let_go = released->hypothesis.At(released->levels[level].q);
@@ -274,9 +278,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  NrmseOf(one, levels, at)});
   }
   if (result.effects.empty()) return {};
-  identification::Estimate reported;
-  reported.hypothesis = std::move(hypothesis);
-  const Result<std::string> file = WriteExtended(problem, reported, result, task.options);
+  const Result<std::string> file = WriteExtended(problem, hypothesis, result, task.options);
   if (!file.ok()) return file.failure();
   result.extended_scenario = *file;
   return {};

@@ -4,130 +4,310 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
-#include <utility>
+#include <ctime>
 
-#include "diagnosis/follow_play.h"
-#include "diagnosis/judgement.h"
-#include "diagnosis/resolution.h"
-#include "linear/decompositions.h"
+#include "diagnosis/contest.h"
+#include "diagnosis/describe.h"
+#include "diagnosis/detection.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/settle.h"
+#include "diagnosis/weights.h"
+#include "identification/residual_tests.h"
+#include "identification/start.h"
+#include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kLonger = 1.5;   // from one beginning to the next
-constexpr double kOpening = 0.3;  // of the time
+constexpr int kMostCauses = 3;  // that are looked for one after the other
 
-/// A diagnosis and what it is made of.
-struct Task {
-  const Plan& plan;
-  const std::vector<MappedRecord>& data;   // at the resolution that counts
-  const std::vector<MappedRecord>& given;  // the same as given
-  const std::vector<MappedRecord>& holdout;
-  const Registry& registry;
-  const DiagnoseOptions& options;
-  identification::SearchContext context;  // of all its problems
-
-  double training() const { return holdout.empty() ? kTrainingShare : 1.0; }
-  EstimationProblem Part(const Plan& of, double until) const {
-    return EstimationProblem(of, data, registry, training() * until, context);
-  }
-  Judgement Of(const EstimationProblem& problem, double until) const {
-    return Judgement(problem, training() * until, until, data, given, holdout, options);
-  }
+/// Which effect on top of a null explains what that leaves.
+struct Answer {
+  Contest contest;
+  Settled settled;
 };
 
-/// As much of the records as `followed` predicts, with it among the candidates; nothing if it does not stand there.
-std::optional<Result<Diagnosis>> DiagnoseFollowed(const Task& task, const EstimationProblem& problem,
-                                                  const Followed& followed) {
-  // Of motion that is known to be chaotic no more is predicted than what was followed.
-  const bool all = followed.share == 1.0 && !PredictionWindow(task.plan);
-  const double until = all ? 1.0 : task.training() * followed.share;
-  const EstimationProblem beginning = task.Part(problem.plan(), until);
-  Judgement first = task.Of(beginning, until);
-  if (first.Decide("diagnose_state_beginning.json", {followed.hypothesis})) return std::nullopt;
-  const std::vector<Hypothesis> causes = first.Causes();
-  if (causes.empty() || !causes.front().effects.front().SameCause(followed.hypothesis.effects.front()))
-    return std::nullopt;
-  first.Widen(followed.drift);
-  if (until < 1.0) {
-    first.Note(
-        fmt::format("only the first {:.3g} s of the data count: with play the motion is chaotic, and no free run "
-                    "predicts more of it",
-                    until * task.data.front().end_s));
-  }
-  return first.Report();
+/// Whether an answer with a cause in the model says more than the one before. Where several causes stood side by side, only
+/// one of these, or a model that leaves nothing, tells that two of them are needed.
+bool Adds(const Answer& before, const Answer& next) {
+  if (next.settled.causes.empty()) return false;
+  if (next.settled.exact) return true;
+  if (next.settled.verdict != Verdict::kMainCause) return false;
+  const Contestant& second = next.contest.contestants[next.settled.causes.front()];
+  const auto stood = [&](std::size_t i) {
+    return before.contest.contestants[i].hypothesis.effects().back() == second.hypothesis.effects().back();
+  };
+  return before.settled.causes.size() == 1 || std::ranges::any_of(before.settled.causes, stood);
 }
 
-/// Of a scenario that is compared in windows, since its motion is chaotic: what explains its first milliseconds in a
-/// free run, followed as far as it goes. In windows the nominal model is off by the whole signal as soon as the sides
-/// meet at another time than they did, and then nothing can be seen beside it.
-std::optional<Result<Diagnosis>> DiagnoseBeginning(const Task& task) {
-  Plan free = task.plan;
-  free.root.Erase("prediction_window_s");
-  const EstimationProblem problem = task.Part(free, 1.0);
-  DiagnoseOptions said = task.options;
-  said.progress = [&](const std::string& what, double done) {
-    task.options.progress("the beginning: " + what, kOpening * done);
-  };
-  const Task beginning{task.plan, task.data, task.given, task.holdout, task.registry, said, task.context};
-  std::vector<Hypothesis> causes;
-  double from = 0.0;
-  for (double share = FirstShare(problem.records()); share < 1.0 && !problem.spent(); share *= kLonger) {
-    const EstimationProblem part = task.Part(free, share);
-    Judgement opening = beginning.Of(part, share);
-    if (opening.Decide("diagnose_state_opening.json") || opening.LeavesStructure()) break;
-    causes = opening.Causes();
-    from = share;
-  }
-  const auto progress = [&](double done) { said.progress("following what explains it", done); };
-  const std::optional<Followed> followed = Follow(problem, from, causes, progress);
-  return followed ? DiagnoseFollowed(task, problem, *followed) : std::nullopt;
+/// Whether what a model leaves in its free run is noise, of whatever colour: independent of inputs and outputs, without lines
+/// and no echo of the machine. Differences of a record tell white noise alone.
+bool LeavesNoise(const EstimationProblem& problem, const Contestant& one, const Levels& levels) {
+  const std::size_t free = levels.free_run();
+  if (!one.Holds(free)) return false;
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(one.hypothesis.At(one.levels[free].q));
+  if (!predicted.ok()) return false;
+  const auto structure = identification::FindStructure(problem, problem.measured() - *predicted, *predicted);
+  return std::ranges::all_of(structure, [](const auto& of) { return of.tested && !of.found(); });
 }
+
+/// Whether what a model leaves at its longest memory may be another cause beside a noise that can be seen.
+bool NearEnough(const Contestant& one) {
+  for (std::size_t level = one.levels.size(); level-- > 0;) {
+    if (!one.Holds(level)) continue;
+    return std::ranges::all_of(one.levels[level].scales, [](const estimation::ChannelScale& scale) {
+      return scale.rms <= policy::kNearEnough * scale.noise_alone;
+    });
+  }
+  return false;
+}
+
+/// The share of what the null leaves that one of its numbers would remove without its prior, beside the others: linear.
+double RemovedBy(const Contestant& null, std::size_t level, Eigen::Index i) {
+  const estimation::Estimate& fit = null.levels[level];
+  Eigen::MatrixXd others = fit.jacobian;
+  Eigen::VectorXd along = others.col(i);
+  others.col(i).setZero();
+  Eigen::MatrixXd H = others.transpose() * others;
+  for (Eigen::Index k = 0; k < H.rows(); ++k) {
+    if (null.hypothesis.parameters()[static_cast<std::size_t>(k)].prior) H(k, k) += 1.0;
+  }
+  along -= others * dense::LeastSquares(H, others.transpose() * along);
+  const double power = along.squaredNorm() * fit.weighted.squaredNorm();
+  return power > 0.0 ? std::pow(along.dot(fit.weighted), 2) / power : 0.0;
+}
+
+/// Nominal values that no effect stands for, and which alone, let go, account for the records as the causes do.
+std::vector<std::string> NominalValuesAlike(const EstimationProblem& problem, const Answer& answer,
+                                            const Levels& levels, Journal& journal) {
+  std::vector<std::string> alike;
+  const auto& [contest, settled] = answer;
+  const Contestant& null = contest.null();
+  const std::size_t level = settled.level;
+  if (!settled.exact || settled.causes.empty() || contest.released || !null.Holds(level)) return alike;
+  const Contestant& cause = contest.contestants[settled.causes.front()];
+  for (const identification::Nuisance& nuisance : problem.nuisances()) {
+    const auto& parameters = null.hypothesis.parameters();
+    const auto own = std::ranges::find(parameters, nuisance.path, &estimation::Parameter::name);
+    if (nuisance.start || nuisance.effect != nullptr || own == parameters.end()) continue;
+    const Eigen::Index i = own - parameters.begin();
+    if (RemovedBy(null, level, i) < policy::kMost) continue;
+    Contestant one(null.hypothesis.WithReleased(nuisance.path));
+    one.levels.resize(level + 1);
+    one.levels[level] = AsLoudAs(
+        null, level,
+        estimation::Fit(one.hypothesis, levels[level], StartFrom(one.hypothesis, null.hypothesis, null.levels[level].q),
+                        {.renewals = 6, .of_excess = policy::kCarriedTo}));
+    const Contestant both[] = {cause, one};
+    const bool stands = one.Holds(level) && IsExact(one.levels[level]) && !Weights(both, levels, level).Beats(0, 1);
+    if (stands) alike.push_back("nominal_value@" + nuisance.path);
+    journal.push_back({"ambiguity",
+                       {"nominal_value@" + nuisance.path, cause.Name()},
+                       "a nominal value alone, without its prior, leaves nothing but noise and is not beaten",
+                       {{"value", one.Holds(level) ? one.hypothesis.parameters()[static_cast<std::size_t>(i)].ValueAt(
+                                                         one.levels[level].q[i])
+                                                   : std::numeric_limits<double>::quiet_NaN()}},
+                       stands ? "cannot be told apart" : "told apart"});
+  }
+  return alike;
+}
+
+/// The course of one diagnosis.
+class Pipeline {
+ public:
+  Pipeline(const EstimationProblem& problem, Plan begun, Parts parts, const std::vector<MappedRecord>& data,
+           const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
+      : problem_(problem),
+        begun_(std::move(begun)),
+        parts_(std::move(parts)),
+        levels_(*parts_.training),
+        data_(data),
+        holdout_(holdout),
+        options_(options),
+        magnitudes_(MagnitudesOf(problem)),
+        saved_(options.out + "/diagnose_state.json", options.resume, problem.plan(), data),
+        given_(LogExcessOf(holdout.empty() ? begun_ : problem.plan(), *parts_.held_out)) {
+    result_.own_holdout = !holdout.empty();
+    if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
+  }
+
+  Result<Diagnosis> Run() {
+    const Registry& registry = problem_.registry();
+    Result<Answer> answer = Ask(NullOf(begun_, false, levels_, registry), false, "nominal values on their priors");
+    if (!answer.ok()) return answer.failure();
+    const Answer first = WithFurtherCauses(*answer);
+    if (first.settled.exact) {
+      answer = first;
+    } else if (!Spent()) {
+      // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
+      Contestant null = NullOf(begun_, true, levels_, registry);
+      released_ = null;
+      Result<Answer> released = Ask(std::move(null), true, "nominal values released");
+      if (released.ok() && released->contest.complete) {
+        if (!released->settled.exact)
+          answer->settled = Settle(answer->contest, levels_, passes_[0], LeastOf(passes_, levels_.size()));
+        if (released->settled.exact || answer->settled.causes.empty())
+          answer = WithFurtherCauses(*std::move(released));
+        else
+          answer = first;
+      }
+    }
+    return Report(*answer);
+  }
+
+ private:
+  bool Spent() const {
+    const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
+    return static_cast<double>(levels_.simulations()) >= options_.most_simulations || cpu_s >= options_.most_cpu_s;
+  }
+
+  /// Which effect on top of a null explains what that leaves.
+  Result<Answer> Ask(Contestant null, bool released, const std::string& stage) {
+    const double from = 1.0 - std::pow(0.5, asked_++);
+    if (!null.Holds(levels_.free_run()) || !IsExact(null.levels[levels_.free_run()])) {
+      if (LeavesNoise(problem_, null, levels_)) CountAsNoise(null, {&null, 1});
+    }
+    const Conduct conduct{[&](double share) { options_.progress(stage, from + 0.5 * (1.0 - from) * share); },
+                          [&] { return Spent(); }, &saved_, stage};
+    Result<Contest> contest = Compete(std::move(null), released, levels_, magnitudes_, problem_.registry(), conduct);
+    if (!contest.ok()) return contest.failure();
+    Settled settled;
+    if (contest->complete) {
+      if (!ExactLevel(*contest, levels_)) {
+        const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
+        if (best != nullptr && LeavesNoise(problem_, *best, levels_)) CountAsNoise(*best, contest->contestants);
+      }
+      passes_.push_back(HeldOutOf(*contest, *parts_.held_out, given_, !holdout_.empty()));
+      settled = Settle(*contest, levels_, passes_.back(), LeastOf(passes_, levels_.size()));
+    } else {
+      result_.search_complete = false;
+      settled.level = contest->first;
+      settled.rule = "the search has spent its budget";
+      settled.reason = "the search ended before any effect was followed to the free run";
+    }
+    Enter(*contest, settled, stage);
+    return Answer{*std::move(contest), std::move(settled)};
+  }
+
+  /// Once more with the cause in the model, for there may be several.
+  Answer WithFurtherCauses(Answer answer) {
+    for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
+      const Settled& settled = answer.settled;
+      const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
+      const std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
+                                                : most                  ? settled.best
+                                                                        : std::nullopt;
+      if (!leader || Spent()) break;
+      const Contestant& null = answer.contest.contestants[*leader];
+      if (!answer.contest.released && !NearEnough(null)) break;
+      Result<Answer> next = Ask(null, answer.contest.released, "with " + null.Name());
+      if (!next.ok() || !Adds(answer, *next)) break;
+      answer = *std::move(next);
+    }
+    return answer;
+  }
+
+  void Enter(const Contest& contest, const Settled& settled, const std::string& stage) {
+    JournalEntry base{"null model", {contest.null().Name()}, "RMS over what noise alone causes, " + stage, {}, ""};
+    for (std::size_t level = 0; level < levels_.size(); ++level) {
+      const estimation::Estimate& fit = contest.null().levels[level];
+      double largest = 0.0;
+      for (const estimation::ChannelScale& scale : fit.scales)
+        largest = std::max(largest, scale.rms / scale.noise_alone);
+      if (fit.ok())
+        base.numbers.emplace_back(levels_.Name(level), largest);
+      else
+        base.outcome += levels_.Name(level) + " breaks: " + fit.broken + "; ";
+    }
+    JournalEntry looked{"first look",
+                        {},
+                        "share of what the null leaves, " + stage,
+                        {},
+                        fmt::format("{} are carried", contest.contestants.size() - 1)};
+    for (const auto* some : {&contest.contestants, &contest.left_behind}) {
+      for (const Contestant& one : *some) {
+        if (one.share > 0.0) looked.numbers.emplace_back(one.Name(), one.share);
+      }
+    }
+    JournalEntry cost{"simulations", {}, stage, {}, ""};
+    for (const Contest::Cost& one : contest.cost)
+      cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));
+    Journal& journal = result_.journal;
+    journal.push_back(std::move(base));
+    journal.push_back(std::move(looked));
+    journal.insert(journal.end(), settled.journal.begin(), settled.journal.end());
+    journal.push_back(std::move(cost));
+  }
+
+  Result<Diagnosis> Report(const Answer& answer) {
+    options_.progress("what it gains", 0.97);
+    const auto& [contest, settled] = answer;
+    result_.verdict = settled.verdict;
+    result_.reason = settled.reason;
+    const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);
+    if (!alike.empty()) StandBeside(answer, alike);
+    if (Status failed = Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_,
+                                 alike, result_))
+      return *failed;
+    if (result_.verdict == Verdict::kNoEffect)
+      result_.would_have_seen = SmallestSeen(contest.null(), levels_, magnitudes_, problem_.registry());
+    const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
+    result_.simulations = static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
+    if (!result_.search_complete)
+      result_.notes.push_back(fmt::format(
+          "the search has spent its budget, {:.0f} simulations of the data and {:.3g} s of CPU time: this is "
+          "what was reached by then; --most-simulations and --most-cpu let it go on",
+          result_.simulations, cpu_s));
+    std::vector<std::string> names;
+    for (const std::size_t i : settled.causes) names.push_back(contest.contestants[i].Name());
+    result_.journal.push_back(
+        {"verdict", std::move(names), settled.rule, {}, ToString(result_.verdict) + ": " + result_.reason});
+    options_.progress("done", 1.0);
+    return std::move(result_);
+  }
+
+  void StandBeside(const Answer& answer, const std::vector<std::string>& alike) {
+    std::vector<std::string> names;
+    for (const std::size_t i : answer.settled.causes) names.push_back(answer.contest.contestants[i].Name());
+    names.insert(names.end(), alike.begin(), alike.end());
+    const bool few = names.size() <= policy::kMostAlike;
+    result_.verdict = few ? Verdict::kAmbiguous : Verdict::kUnexplained;
+    result_.reason = fmt::format("{}: {}", few ? "these records do not separate" : "too many leave nothing but noise",
+                                 fmt::join(names, ", "));
+  }
+
+  const EstimationProblem& problem_;
+  Plan begun_;
+  Parts parts_;
+  const Levels& levels_;
+  const std::vector<MappedRecord>& data_;
+  const std::vector<MappedRecord>& holdout_;
+  const DiagnoseOptions& options_;
+  Magnitudes magnitudes_;
+  SavedPoints saved_;
+  HeldOut given_;                             // what the plan as given leaves on data that took no part
+  std::vector<std::vector<HeldOut>> passes_;  // by contest
+  std::optional<Contestant> released_;
+  int asked_ = 0;
+  std::clock_t begun_at_ = std::clock();
+  Diagnosis result_;
+};
 
 }  // namespace
 
-std::string FoundParameter::Text(double number) const {
-  const double wide = upper - lower, large = std::max(std::abs(lower), std::abs(upper));
-  const double told = wide > 0.0 && std::isfinite(wide) ? std::ceil(std::log10(large / wide)) : 0.0;
-  return fmt::format("{:.{}g}", number, static_cast<int>(std::clamp(told + 2.0, 4.0, 15.0)));
-}
-
-std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
-  std::size_t samples = 0;
-  for (const MappedRecord& record : records) {
-    for (const auto& [name, series] : record.outputs) samples += series.values->size();
-  }
-  if (samples <= most) return "";
-  const double share = static_cast<double>(most) / static_cast<double>(samples);
-  for (MappedRecord& record : records) CutRecord(record, share);
-  return fmt::format("only the first {:.3g} % of the records are looked at: of {} samples no more than {}",
-                     100.0 * share, samples, most);
-}
-
-Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& given,
+Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
-  const std::vector<MappedRecord> data = AtResolution(given);
-  double record_s = 0.0;
-  for (const MappedRecord& record : data) record_s += record.end_s;
-  const auto allowance =
-      std::make_shared<identification::Allowance>(record_s, options.most_simulations, options.most_cpu_s);
-  const Task task{plan, data, given, holdout, registry, options, {.allowance = allowance}};
-  if (PredictionWindow(plan)) {
-    if (std::optional<Result<Diagnosis>> beginning = DiagnoseBeginning(task)) return *std::move(beginning);
-  }
-  const EstimationProblem problem = task.Part(plan, 1.0);
-  Judgement whole = task.Of(problem, 1.0);
-  if (Status failed = whole.Decide("diagnose_state.json")) return *failed;
-  if (!whole.LeavesStructure() || problem.spent()) return whole.Report();
-  const auto progress = [&](double done) { options.progress("following play from the beginning", 0.96 + 0.01 * done); };
-  if (const std::optional<Followed> followed = FollowPlay(problem, progress)) {
-    if (std::optional<Result<Diagnosis>> beginning = DiagnoseFollowed(task, problem, *followed))
-      return *std::move(beginning);
-  }
-  return whole.Report();
+  options.progress("levels", 0.0);
+  identification::SearchContext context;
+  context.released = true;  // what was let go is told
+  const EstimationProblem problem(plan, data, registry, holdout.empty() ? kFittedShare : 1.0, std::move(context));
+  const Result<Plan> started = identification::FitStarts(problem, plan);
+  const Plan begun = started.ok() ? *started : plan;
+  Result<Parts> parts = Split(begun, data, holdout, registry);
+  if (!parts.ok()) return parts.failure();
+  return Pipeline(problem, begun, *std::move(parts), data, holdout, options).Run();
 }
 
 }  // namespace dynoproof::diagnosis

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,7 +14,6 @@
 #include "diagnosis/gain.h"
 #include "diagnosis/journal.h"
 #include "diagnosis/localisation.h"
-#include "diagnosis/search.h"
 #include "diagnosis/verdict.h"
 #include "identification/residual_tests.h"
 
@@ -49,6 +49,11 @@ struct Left {
   double nrmse = 0.0;
   WhereWrong where;
 };
+/// A candidate that was followed.
+struct Considered {
+  std::string name, at, why_not;  // why_not: empty of a cause
+  double validation_nrmse = 0.0;  // RMS over the signals of what it leaves
+};
 /// A nominal value that was fitted along.
 struct Refitted {
   std::string path;
@@ -75,7 +80,6 @@ struct Diagnosis {
   std::vector<LineLeft> lines;
   std::vector<NotTestable> not_testable;
   bool own_holdout = false;  // --holdout was given
-  double counted = 1.0;      // share of the records, from their beginning, that all of this is about
   std::vector<Seen> would_have_seen;
   std::vector<Considered> considered;
   std::vector<Refitted> refitted;
@@ -92,7 +96,7 @@ struct DiagnoseOptions {
   std::vector<std::string> overrides = {};  // --set: KEY=VALUE that the plan has beyond that file
   bool resume = false;
   /// The search ends there with the best it has; the CPU time is that of the process, and unlimited where it is not stated.
-  double most_simulations = 20000.0, most_cpu_s = identification::Allowance::kUnlimited;
+  double most_simulations = 20000.0, most_cpu_s = std::numeric_limits<double>::infinity();
   std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
 };
 

@@ -35,14 +35,14 @@ std::string NominalOf(const EstimationProblem& problem, const DiagnoseOptions& o
 
 /// [extension]. Lists stand there even with nothing in them: the extension of an extension would inherit the other's.
 /// The start belongs to these records; a run that another one drives begins where that does.
-std::string ExtensionTable(const EstimationProblem& problem, const Estimate& fit, const DiagnoseOptions& options) {
+std::string ExtensionTable(const EstimationProblem& problem, const Hypothesis& hypothesis,
+                           const DiagnoseOptions& options) {
   Value::Array set, data, start;
   for (std::size_t i = 0; i < problem.nuisances().size(); ++i) {
     const Nuisance& nuisance = problem.nuisances()[i];
-    if (!nuisance.start || (fit.hypothesis.z[i] == 0.0 && problem.plan().root.FindPath(nuisance.path) == nullptr))
-      continue;
+    if (!nuisance.start || (hypothesis.z[i] == 0.0 && problem.plan().root.FindPath(nuisance.path) == nullptr)) continue;
     start.emplace_back(
-        fmt::format("{}={}", nuisance.path, Number(ValueOf(nuisance, fit.hypothesis.z[i], problem.plan()).value)));
+        fmt::format("{}={}", nuisance.path, Number(ValueOf(nuisance, hypothesis.z[i], problem.plan()).value)));
   }
   for (const std::string& change : options.overrides) set.emplace_back(change);
   for (const MappedRecord& record : problem.records()) data.emplace_back(HashOf(record.file));
@@ -74,26 +74,6 @@ double LimitOf(const Channel& channel, const Diagnosis& diagnosis) {
   return std::max(0.1 * noise, kSolver);
 }
 
-/// How long a chaotic motion is simulated well enough for the checks below: as long as a finer step of the solver is no
-/// more than a quarter of their limit away, which leaves the rest to the other solver. Whole milliseconds [s].
-double SolvedFor(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis) {
-  const Result<Eigen::VectorXd> coarse = problem.Predict(fit.hypothesis), fine = problem.PredictFiner(fit.hypothesis);
-  double solved_s = problem.records().front().end_s;
-  if (!coarse.ok() || !fine.ok()) return solved_s;
-  for (const Channel& c : problem.channels()) {
-    const double limit = 0.25 * LimitOf(c, diagnosis);
-    double apart = 0.0, size = 0.0;
-    Eigen::Index good = 0;  // the last row up to which that holds
-    for (Eigen::Index i = 0; i < c.count; ++i) {
-      apart += std::pow((*fine)[c.begin + i] - (*coarse)[c.begin + i], 2);
-      size += std::pow((*fine)[c.begin + i], 2);
-      if (apart <= limit * limit * size) good = i;
-    }
-    solved_s = std::min(solved_s, static_cast<double>(good) * c.step_s);
-  }
-  return std::max(1.0, std::floor(1e3 * solved_s)) * 1e-3;
-}
-
 /// What the extended scenario is held to: both solvers closer than the record can tell, in windows where motion is
 /// chaotic.
 std::string OwnChecks(const EstimationProblem& problem, const Diagnosis& diagnosis) {
@@ -112,8 +92,8 @@ std::string OwnChecks(const EstimationProblem& problem, const Diagnosis& diagnos
 
 }  // namespace
 
-Result<std::string> WriteExtended(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis,
-                                  const DiagnoseOptions& options) {
+Result<std::string> WriteExtended(const EstimationProblem& problem, const Hypothesis& hypothesis,
+                                  const Diagnosis& diagnosis, const DiagnoseOptions& options) {
   std::string text = fmt::format(
       "# {} with what a diagnosis found. Intervals are 95 %.\n"
       "include = [\"{}\"]\n",
@@ -125,23 +105,18 @@ Result<std::string> WriteExtended(const EstimationProblem& problem, const Estima
   std::vector<std::pair<std::string, std::string>> lines;
   for (std::size_t i = 0; i < problem.nuisances().size(); ++i) {
     const Nuisance& nuisance = problem.nuisances()[i];
-    if (nuisance.start || fit.hypothesis.z[i] == 0.0) continue;
+    if (nuisance.start || hypothesis.z[i] == 0.0) continue;
     const std::size_t dot = nuisance.path.rfind('.');
     // An effect may remove the part; its value is then of no use.
-    const NuisanceValue value = ValueOf(nuisance, fit.hypothesis.z[i], problem.plan());
+    const NuisanceValue value = ValueOf(nuisance, hypothesis.z[i], problem.plan());
     lines.emplace_back(nuisance.path.substr(0, dot),
                        fmt::format("{} = {}  # nominal {}, fitted along\n", nuisance.path.substr(dot + 1),
                                    Number(value.value), Number(value.nominal)));
     tables.insert(lines.back().first);
   }
-  if (diagnosis.counted < 1.0) {
-    lines.emplace_back("run", fmt::format("duration_s = {}  # the motion is chaotic: solvers differ afterwards\n",
-                                          Number(SolvedFor(problem, fit, diagnosis))));
-    tables.insert("run");
-  }
-  if (problem.NeedsFinerSteps(fit.hypothesis)) {
+  if (problem.NeedsFinerSteps(hypothesis)) {
     lines.emplace_back("run.realtime", fmt::format("substeps = {}  # friction that sticks needs finer ones\n",
-                                                   SubstepsOf(problem.PlanOf(fit.hypothesis))));
+                                                   SubstepsOf(problem.PlanOf(hypothesis))));
     tables.insert("run.realtime");
   }
   // What --set changed belongs to the nominal model, which the file alone does not have.
@@ -162,15 +137,15 @@ Result<std::string> WriteExtended(const EstimationProblem& problem, const Estima
     lines.emplace_back(table, text_of);
     tables.insert(table);
   }
-  text += ExtensionTable(problem, fit, options);
+  text += ExtensionTable(problem, hypothesis, options);
   for (const std::string& table : tables) {
     text += fmt::format("\n[{}]\n", table);
     for (const auto& [in, line] : lines) {
       if (in == table) text += line;
     }
   }
-  for (std::size_t e = 0; e < fit.hypothesis.effects.size(); ++e) {
-    const EffectInstance& instance = fit.hypothesis.effects[e];
+  for (std::size_t e = 0; e < hypothesis.effects.size(); ++e) {
+    const EffectInstance& instance = hypothesis.effects[e];
     text += fmt::format("\n[[effect]]\nname = \"{}\"\nat = \"{}\"\n", instance.effect->info().name,
                         instance.place.ToString());
     if (instance.parameters.empty()) continue;

@@ -11,8 +11,8 @@ namespace dynoproof::diagnosis {
 
 /// `out`/extended.toml: the scenario by include, what it extends, the nominal values that were fitted along, and one
 /// [[effect]] each.
-Result<std::string> WriteExtended(const EstimationProblem& problem, const Estimate& fit, const Diagnosis& diagnosis,
-                                  const DiagnoseOptions& options);
+Result<std::string> WriteExtended(const EstimationProblem& problem, const Hypothesis& hypothesis,
+                                  const Diagnosis& diagnosis, const DiagnoseOptions& options);
 
 /// What would separate these candidates, in words; and `out`/separate.toml with that excitation.
 std::string SeparatingText(const EstimationProblem& problem, const std::vector<EffectInstance>& alike);

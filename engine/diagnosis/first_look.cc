@@ -152,10 +152,14 @@ Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null
   for (std::size_t at = level; at < std::min(level + 2, levels.size()); ++at) {
     if (!null.Holds(at)) continue;
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
-    contestant.levels[at] =
-        AsLoudAs(null, at,
-                 Fit(candidate.hypothesis, levels[at], from,
-                     {.iterations = 6, .renewals = 1, .of_excess = policy::kLookedAt, .near = true, .known = known}));
+    contestant.levels[at] = AsLoudAs(null, at,
+                                     Fit(candidate.hypothesis, levels[at], from,
+                                         {.iterations = 6,
+                                          .renewals = at == level ? 4 : 1,  // at the next level it is near already
+                                          .points = policy::kLookedAtPoints,
+                                          .of_excess = policy::kLookedAt,
+                                          .near = true,
+                                          .known = known}));
     if (!contestant.Holds(at)) continue;
     contestant.share = std::max(contestant.share, ShareOf(contestant, null, levels, at));
     if (at == level) from = contestant.levels[at].q;

@@ -101,14 +101,4 @@ std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eige
   return Share{share(b, a), drawn[kDraws / 40], drawn[kDraws - 1 - kDraws / 40]};
 }
 
-double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted) {
-  double sum = 0.0;
-  for (const Channel& c : problem.channels()) {
-    const double ms = (problem.measured() - predicted).segment(c.begin, c.count).squaredNorm() /
-                      static_cast<double>(std::max<Eigen::Index>(1, c.count));
-    sum += ms / std::max(c.spread * c.spread, 1e-300);
-  }
-  return std::sqrt(sum / static_cast<double>(problem.channels().size()));
-}
-
 }  // namespace dynoproof::diagnosis

@@ -32,7 +32,4 @@ struct Share {
 std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eigen::VectorXd& before,
                                     const Eigen::VectorXd& after, double from);
 
-/// RMS over the channels of the NRMSE.
-double TotalNrmse(const EstimationProblem& problem, const Eigen::VectorXd& predicted);
-
 }  // namespace dynoproof::diagnosis

@@ -103,7 +103,7 @@ Plan Started(Plan plan, const Diagnosis& found) {
 
 Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedRecord>& records, const Diagnosis& found,
                                   const Registry& registry) {
-  const EstimationProblem problem(nominal, records, registry, found.counted);
+  const EstimationProblem problem(nominal, records, registry);
   const Result<Eigen::VectorXd> before = problem.PredictPlan(Started(nominal, found));
   if (!before.ok()) return before.failure();
   std::optional<Eigen::VectorXd> after;

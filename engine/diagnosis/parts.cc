@@ -1,5 +1,7 @@
 #include "diagnosis/parts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -42,6 +44,18 @@ std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::s
 }
 
 }  // namespace
+
+std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
+  std::size_t samples = 0;
+  for (const MappedRecord& record : records) {
+    for (const auto& [name, series] : record.outputs) samples += series.values->size();
+  }
+  if (samples <= most) return "";
+  const double share = static_cast<double>(most) / static_cast<double>(samples);
+  for (MappedRecord& record : records) identification::CutRecord(record, share);
+  return fmt::format("only the first {:.3g} % of the records are looked at: of {} samples no more than {}",
+                     100.0 * share, samples, most);
+}
 
 Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                     const Registry& registry) {

@@ -5,32 +5,8 @@
 
 namespace dynoproof::diagnosis::policy {
 
-/// Deviation of a nuisance parameter from its nominal value that its prior allows [prior standard deviations]. By chance one value
-/// lies farther off once in 2000, one of a dozen once in 180.
-inline constexpr double kWithinPrior = 3.5;
-/// From here on a deviation by itself contradicts the prior [prior standard deviations]: by chance once in 16 000.
-inline constexpr double kBeyondPrior = 4.0;
-/// Standard deviation to which an output counts as measured, however smooth it is [its spread]. 14
-/// bits over a range of which the signal fills a fifth tell 9e-5. Noise of real records, and of the blind suite (from
-/// 2e-3), lies far above.
-inline constexpr double kResolution = 1e-4;
-/// Odds that an effect has to reach after a fair share for each candidate, beside the information criterion's own log n.
-inline constexpr double kOdds = 1000.0;
-/// Least share of the whitened squares that an effect has to explain: an imperfect noise model brings about less.
-inline constexpr double kLeastShare = 1e-3;
-/// Least gain of the information criterion, as a share of the least gain of chi2. Parameters of an effect and the
-/// freedom of nuisance parameters cost the rest. An F test at 1e-4 over all candidates follows from both: a law of four
-/// parameters on 1000 rows, 300 candidates, has p = 2e-6 there.
-inline constexpr double kCriterionShare = 0.5;
-/// Validation parts, each a fifth of the time, on which an effect has to predict better: more than half of them.
-inline constexpr int kBlocks = 5, kBlocksBetter = 3;
-/// Difference of -2 log evidence within which two candidates are alike: odds of 150 to 1. Less than one more parameter
-/// costs (log n = 11), so that a law and its generalisation are never both in the set.
-inline constexpr double kAlike = 10.0;
 /// Candidates that an ambiguous verdict names at most (the outside relies on it).
 inline constexpr std::size_t kMostAlike = 3;
-
-// --- Diagnosis by corrected prediction (contest.h, settle.h).
 
 /// Each memory over the one before, and the last one over the record's length: on the heavy-duty line with all nominal values
 /// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth.
@@ -45,6 +21,8 @@ inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are fitted at a first look, of the some hundred whose one or two runs beside the null promise most.
 inline constexpr std::size_t kLookedAtMost = 40;
+/// Points that such a fit looks at: a stiffness that was a tenth off came from a start on the wrong side in 35.
+inline constexpr int kLookedAtPoints = 40;
 /// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
 inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
 /// Points that the fit of a candidate at a level looks at: steps, and sets of columns. Causes that were right took some twenty
@@ -69,6 +47,9 @@ inline constexpr double kNearEnough = 30.0;
 inline constexpr double kShare = 0.2;
 /// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.
 inline constexpr double kHeldOutPrior = 0.1, kHeldOutReleased = 0.5;
+/// Share of what the plan as given leaves on data that took no part, from which on a null that removes it, too, leaves them
+/// nothing to tell the two apart by.
+inline constexpr double kBothPredict = 0.9;
 /// Excess on data that took no part, over the least of all models, up to which a cause may be one; within a family the
 /// law with the fewest numbers within this of the best stands for it.
 inline constexpr double kMarginBest = 2.0, kMarginFamily = 1.5;

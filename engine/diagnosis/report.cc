@@ -33,6 +33,12 @@ json OrNull(const std::optional<T>& value) {
 
 }  // namespace
 
+std::string FoundParameter::Text(double number) const {
+  const double wide = upper - lower, large = std::max(std::abs(lower), std::abs(upper));
+  const double told = wide > 0.0 && std::isfinite(wide) ? std::ceil(std::log10(large / wide)) : 0.0;
+  return fmt::format("{:.{}g}", number, static_cast<int>(std::clamp(told + 2.0, 4.0, 15.0)));
+}
+
 json ToJson(const std::map<std::string, SignalGain>& gains, bool interval) {
   json out = json::object();
   for (const auto& [name, gain] : gains) {

@@ -52,11 +52,20 @@ void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, con
   });
 }
 
-/// The share that a model removes of what the plan as given and the null leave on data that took no part; nothing: its run
-/// breaks.
+/// The share that a model removes of what the plan as given and the null, whichever is better, leave on data that took no part;
+/// nothing: its run breaks.
 std::optional<double> HeldOutShare(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level) {
   if (!held_out[i][level]) return std::nullopt;
   return 1.0 - std::exp(*held_out[i][level] - std::min(0.0, held_out[0][level].value_or(0.0)));
+}
+
+/// Whether data that took no part bear a cause out. Where the null predicts them as well as the cause, and both far better than
+/// the plan as given, they do not tell the two apart: then the training data have to do so plainly.
+bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level, double training_share) {
+  const std::optional<double> share = HeldOutShare(held_out, i, level);
+  if (!share) return false;
+  const bool alike = *share > policy::kHarm && 1.0 - std::exp(*held_out[i][level]) >= policy::kBothPredict;
+  return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
@@ -97,7 +106,8 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
   const std::size_t shortest = levels.size() > 1 ? 1 : 0;
   for (std::size_t level = levels.size(); level-- > shortest;) {
     for (const Contestant& one : contest.contestants) {
-      if (one.Holds(level) && IsExact(one.levels[level])) return level;
+      if (!one.Holds(level) || !IsExact(one.levels[level])) continue;
+      if (level == levels.free_run() || IsQuiet(one.levels[level], levels.data())) return level;
     }
   }
   return std::nullopt;
@@ -121,7 +131,8 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
       bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
                     IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
       for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
-      if (stands) (elsewhere && *elsewhere >= policy::kHeldOutPrior ? standing : only_here).push_back(i);
+      if (stands)
+        (HoldsElsewhere(held_out, i, *level, ShareAt(contest, levels, i, *level)) ? standing : only_here).push_back(i);
     }
     const auto by_share = [&](std::size_t a, std::size_t b) {
       return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);

@@ -1,8 +1,9 @@
 #include "diagnosis/trial.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "diagnosis/candidates.h"
+#include "score/series.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -11,6 +12,16 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using estimation::DataSet;
 using estimation::Hypothesis;
+
+/// Parameters that scale an effect about linearly from its neutral value, where that value is finite and within reach.
+std::vector<std::size_t> StrengthsOf(const Effect& effect) {
+  std::vector<std::size_t> strengths;
+  const std::vector<EffectParameter>& parameters = effect.info().parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (std::isfinite(parameters[i].neutral) && parameters[i].neutral < parameters[i].upper) strengths.push_back(i);
+  }
+  return strengths;
+}
 
 /// The parameters that grow with the size of an effect: its strengths, and what is one of them by something, as the stiffness
 /// of a friction that is elastic: the stretch at which it gives way stays.
@@ -27,6 +38,29 @@ std::vector<std::size_t> SizedWith(const Effect& effect) {
 }
 
 }  // namespace
+
+Magnitudes MagnitudesOf(const EstimationProblem& problem) {
+  Magnitudes m;
+  const MappedRecord& record = problem.records().front();
+  m.duration_s = std::max(record.end_s, 1e-3);
+  m.step_s = problem.channels().front().step_s;
+  for (const auto& [name, series] : record.inputs) {
+    m.input_rms[name] = score::RootMeanSquare(*series.values);
+    m.input_peak[name] = score::Largest(*series.values);
+    m.input = std::max(m.input, m.input_rms[name]);
+  }
+  double torque = 0.0, speed = 0.0;
+  for (const Channel& channel : problem.channels()) {
+    if (channel.record != 0) continue;
+    m.output_spread[channel.name] = channel.spread;
+    const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);
+    if (channel.unit == "N m" || channel.unit == "N") torque = std::max(torque, rms);
+    if (channel.unit == "rad/s") speed = std::max(speed, rms);
+  }
+  m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;
+  m.speed = speed > 0.0 ? speed : 1.0;
+  return m;
+}
 
 std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
                             const Registry& registry) {

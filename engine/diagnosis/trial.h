@@ -2,12 +2,27 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <vector>
 
 #include "diagnosis/levels.h"
+#include "diagnosis/terms.h"
 #include "estimation/hypothesis.h"
+#include "identification/estimation_problem.h"
 
 namespace dynoproof::diagnosis {
+
+/// Whether records can show an effect at a place: a sensor that no record has, and an input that no record drives, cannot be
+/// seen. `channels`: of the records' outputs, by `name`.
+template <class Channels>
+bool CanBeSeen(const Place& place, const Channels& channels, const MappedRecord& first) {
+  if (place.kind == "output")
+    return std::ranges::any_of(channels, [&](const auto& channel) { return channel.name == place.name; });
+  return place.kind != "input" || first.inputs.contains(place.name);
+}
+
+/// Of the first record.
+Magnitudes MagnitudesOf(const EstimationProblem& problem);
 
 /// A hypothesis without its start: the effect at a place, to be sized by the record.
 struct Trial {

@@ -387,6 +387,15 @@ Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hy
   return inverse * meat * inverse;
 }
 
+Eigen::MatrixXd CurvatureOf(const Estimate& estimate, const Hypothesis& hypothesis) {
+  if (estimate.jacobian.cols() == 0) return {};
+  Eigen::MatrixXd hessian = estimate.jacobian.transpose() * estimate.jacobian;
+  for (Index i = 0; i < hessian.rows(); ++i) {
+    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) hessian(i, i) += 1.0;
+  }
+  return dense::PseudoInverse(hessian);
+}
+
 double LogLikelihood(const Estimate& estimate, const Predictor& predictor) {
   const DataSet& data = predictor.data();
   double sum = 0.0, rows = 0.0;

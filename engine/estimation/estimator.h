@@ -83,6 +83,10 @@ std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector
 /// of each channel: errors that hang together count as such [parameters x parameters]. Empty where nothing is free.
 Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis);
 
+/// Covariance by the curvature alone, H^-1 [parameters x parameters]: that of errors as large as the scales, where these
+/// count as noise. Empty where nothing is free.
+Eigen::MatrixXd CurvatureOf(const Estimate& estimate, const Hypothesis& hypothesis);
+
 /// log likelihood of the innovations by the covariance that a level expects, over one row of each output on average; what
 /// tells how much is unknown.
 double LogLikelihood(const Estimate& estimate, const Predictor& predictor);

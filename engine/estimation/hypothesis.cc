@@ -67,9 +67,7 @@ Hypothesis Hypothesis::WithNominalValues(const Registry& registry, bool released
   for (const NuisanceParameter& known : plant.nuisances(nominal_)) {
     const Value* value = nominal_.root.FindPath(known.path);
     // A start belongs to a record, which corrects it; what is written as 0 is no nominal value.
-    if (known.initial || known.only_with_structure || (known.only_released && !released) || value == nullptr ||
-        !value->is_number())
-      continue;
+    if (known.initial || (known.only_released && !released) || value == nullptr || !value->is_number()) continue;
     if (known.relative && !(value->number() != 0.0)) continue;
     Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-3, 2e-2};
     parameter.lower = parameter.ValueAt(-kBound);

@@ -78,7 +78,6 @@ EstimationProblem::EstimationProblem(Plan plan, std::vector<MappedRecord> record
     record = OntoClock(std::move(record), plan_);
     if (until < 1.0) CutRecord(record, until);
   }
-  given_ = records_;
   nuisances_ = NuisancesOf(plan_, registry, context_.released);
   if (std::none_of(records_.begin(), records_.end(), [](const MappedRecord& record) { return record.in_motion; }))
     std::erase_if(nuisances_, [](const Nuisance& nuisance) { return nuisance.only_in_motion; });
@@ -135,20 +134,8 @@ bool EstimationProblem::NeedsFinerSteps(const Hypothesis& hypothesis) const {
                      [](const EffectInstance& instance) { return instance.effect->info().traits.dry_friction; });
 }
 
-Result<std::size_t> EstimationProblem::States() const {
-  const Result<std::unique_ptr<Prepared>> prepared = Drive(plan_, records_.front(), *registry_);
-  if (!prepared.ok()) return prepared.failure();
-  return (*prepared)->rig->state_ports.size();
-}
-
 Result<Eigen::VectorXd> EstimationProblem::Predict(const Hypothesis& hypothesis) const {
   return PredictPlan(PlanOf(hypothesis));
-}
-
-Result<Eigen::VectorXd> EstimationProblem::PredictFiner(const Hypothesis& hypothesis) const {
-  Plan plan = PlanOf(hypothesis);
-  SetSubsteps(plan, 2 * SubstepsOf(plan));
-  return PredictPlan(plan);
 }
 
 Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
@@ -157,7 +144,6 @@ Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
   for (std::size_t r = 0; r < records_.size(); ++r) {
     const Result<std::unique_ptr<Prepared>> prepared = Drive(StartingInto(plan, r), records_[r], *registry_);
     if (!prepared.ok()) return prepared.failure();
-    context_.allowance->Count(records_[r].end_s);
     const Rig& rig = *(*prepared)->rig;
     const Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig, context_.decompositions.get());
     if (!solver.ok()) return solver.failure();

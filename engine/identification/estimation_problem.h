@@ -11,7 +11,6 @@
 #include "base/status.h"
 #include "experiment/prediction_windows.h"
 #include "experiment/records.h"
-#include "identification/allowance.h"
 #include "identification/nuisance.h"
 #include "linear/decompositions.h"
 #include "model/registry.h"
@@ -25,8 +24,6 @@ struct EffectInstance {
   std::vector<double> parameters;
 
   std::string ToString() const { return effect->info().name + "@" + place.ToString(); }
-  /// The same effect at the same place, whatever its size.
-  bool SameCause(const EffectInstance& other) const { return effect == other.effect && place == other.place; }
 };
 
 /// A hypothesis: nuisance parameters (in prior standard deviations), and effects on top of them.
@@ -46,10 +43,9 @@ struct Channel {
 /// Keeps the first share `until` of a record.
 void CutRecord(MappedRecord& record, double until);
 
-/// The decompositions and the allowance that all problems of one search share, on whichever part of the records.
+/// What all problems of one search share, on whichever part of the records.
 struct SearchContext {
   std::shared_ptr<mechanics::Decompositions> decompositions = std::make_shared<mechanics::Decompositions>();
-  std::shared_ptr<Allowance> allowance = std::make_shared<Allowance>();
   bool released = false;  // nominal values that are let go are nuisances, too
 };
 
@@ -58,12 +54,6 @@ class EstimationProblem {
   /// `plan`: the nominal scenario, its own effects applied. Records are cut at share `until` of their length.
   EstimationProblem(Plan plan, std::vector<MappedRecord> records, const Registry& registry, double until = 1.0,
                     SearchContext context = {});
-
-  /// The first share `until` of these records, with another plan of the same machine.
-  EstimationProblem Part(double until, Plan plan) const {
-    return {std::move(plan), given_, *registry_, until, context_};
-  }
-  EstimationProblem Part(double until) const { return Part(until, plan_); }
 
   const Plan& plan() const { return plan_; }
   const Registry& registry() const { return *registry_; }
@@ -75,8 +65,6 @@ class EstimationProblem {
   /// Time of each row [s].
   const std::vector<double>& time_s() const { return time_s_; }
   const SearchContext& context() const { return context_; }
-  /// Whether the search may not go on.
-  bool spent() const { return context_.allowance->spent(); }
 
   /// The plan of a hypothesis: nuisance parameters first, then the effects in order, with substeps as fine as they ask
   /// for.
@@ -85,13 +73,9 @@ class EstimationProblem {
   /// prediction_window_s, whose first is then no part of the vector. Fails where a run breaks.
   Result<Eigen::VectorXd> Predict(const Hypothesis& hypothesis) const;
   Result<Eigen::VectorXd> PredictPlan(const Plan& plan) const;
-  /// Predict() with half the solver's step.
-  Result<Eigen::VectorXd> PredictFiner(const Hypothesis& hypothesis) const;
   /// Whether a hypothesis is run with four substeps at least, where a rough search takes one. Dry friction is held over
   /// a substep where it may stick, which undamped modes remember and damped ones forget.
   bool NeedsFinerSteps(const Hypothesis& hypothesis) const;
-  /// How many states the nominal model has. Fails where it cannot be built.
-  Result<std::size_t> States() const;
   Hypothesis Nominal() const { return {std::vector<double>(nuisances_.size(), 0.0), {}}; }
 
  private:
@@ -100,7 +84,6 @@ class EstimationProblem {
   Plan plan_;
   const Registry* registry_;
   std::vector<MappedRecord> records_;  // outputs: the rows that are compared
-  std::vector<MappedRecord> given_;    // the same with all rows
   std::vector<Observer> observers_;    // by record, where predictions go in windows
   Status unobserved_;                  // why there are none
   std::vector<Nuisance> nuisances_;

@@ -12,13 +12,14 @@
 #include "experiment/prediction_windows.h"
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
-#include "identification/estimator.h"
 #include "identification/suspects.h"
 #include "linear/dense.h"
 #include "scenario/load.h"
 
 namespace dynoproof::identification {
 namespace {
+
+constexpr double kTwoSided95 = 1.959964;  // standard deviations of a normal variable
 
 /// Random points for a start.
 std::size_t TriesOf(const IdentifyOptions& options) {

@@ -48,34 +48,6 @@ ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order) {
   return {{a.data(), a.data() + order}, std::max(std::sqrt(power), std::numeric_limits<double>::min())};
 }
 
-Whitener::Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order, double least)
-    : channels_(channels) {
-  for (const Channel& channel : channels_) {
-    ArModel model = FitAr(WithoutTrend(residual.segment(channel.begin, channel.count)), order);
-    const double floor = least * std::max(channel.spread, 1e-12 * channel.nominal);
-    // Below the floor the residual is the simulation's own error: taken as white, its colour means nothing.
-    if (model.sigma < floor) model = {std::vector<double>(model.a.size(), 0.0), floor};
-    rows_ += static_cast<double>(channel.count - static_cast<Eigen::Index>(model.a.size()));
-    models_.push_back(std::move(model));
-  }
-}
-
-Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& rows) const {
-  Eigen::VectorXd white = Eigen::VectorXd::Zero(rows.size());
-  for (std::size_t c = 0; c < channels_.size(); ++c) {
-    const ArModel& model = models_[c];
-    const auto order = static_cast<Eigen::Index>(model.a.size());
-    const Eigen::Index count = channels_[c].count - order;
-    if (count <= 0) continue;
-    auto out = white.segment(channels_[c].begin + order, count);
-    out = rows.segment(channels_[c].begin + order, count);
-    for (Eigen::Index k = 0; k < order; ++k)
-      out -= model.a[static_cast<std::size_t>(k)] * rows.segment(channels_[c].begin + order - 1 - k, count);
-    out /= model.sigma;
-  }
-  return white;
-}
-
 double RmsOf(const Eigen::Ref<const Eigen::VectorXd>& rows) {
   return rows.norm() / std::sqrt(static_cast<double>(rows.size()));
 }

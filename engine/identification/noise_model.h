@@ -5,8 +5,6 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "identification/estimation_problem.h"
-
 namespace dynoproof::identification {
 
 /// e[i] = sum_k a[k] e[i-1-k] + sigma n[i], n white with variance 1.
@@ -16,29 +14,6 @@ struct ArModel {
 };
 /// Burg's method; `order` is cut to a tenth of the record. A residual of zeros gets the smallest sigma that divides.
 ArModel FitAr(const Eigen::Ref<const Eigen::VectorXd>& residual, int order);
-
-/// One AR model a channel of a study. Whitened rows have variance 1 under the model; the first rows of a channel, which
-/// have no complete past, become 0 and do not count.
-class Whitener {
- public:
-  static constexpr int kOrder = 30;  // resonances of a drive line below 2 kHz at 10 kHz: some ten pole pairs
-
-  /// Fits to the residual of the best model so far; `order` 0: white. `least`: smallest sigma over the channel's
-  /// spread; what a simulation is good for, so that synthetic records without noise do not ask for more digits than
-  /// there are.
-  Whitener(const std::vector<Channel>& channels, const Eigen::VectorXd& residual, int order = kOrder,
-           double least = 1e-6);
-
-  Eigen::VectorXd operator()(const Eigen::VectorXd& rows) const;
-  /// Rows that count.
-  double rows() const { return rows_; }
-  const std::vector<ArModel>& models() const { return models_; }
-
- private:
-  std::vector<Channel> channels_;
-  std::vector<ArModel> models_;
-  double rows_ = 0.0;
-};
 
 /// Root mean square of the rows of a channel. Unit of the residual.
 double RmsOf(const Eigen::Ref<const Eigen::VectorXd>& rows);

@@ -20,26 +20,19 @@ std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bo
     const Value* value = plan.root.FindPath(one.path);
     if (one.only_released && !released) continue;
     if (one.relative && (value == nullptr || !value->is_number() || value->number() == 0.0)) continue;
-    nuisances.push_back(
-        {one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_with_structure, one.only_in_motion});
+    nuisances.push_back({one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_in_motion});
     const auto found = one.relative ? scaled.find(one.path) : scaled.end();
     if (found != scaled.end()) std::tie(nuisances.back().effect, nuisances.back().at) = found->second;
   }
   return nuisances;
 }
 
-double DeviateOf(const Nuisance& nuisance, double change) {
-  return std::log1p(std::max(change, -0.999)) / nuisance.spread;
-}
-
-double ChangeOf(const Nuisance& nuisance, double z) { return std::expm1(std::clamp(nuisance.spread * z, -7.0, 7.0)); }
-
 NuisanceValue ValueOf(const Nuisance& nuisance, double z, const Plan& plan) {
   const Value* found = plan.root.FindPath(nuisance.path);
   const double nominal = found != nullptr && found->is_number() ? found->number() : 0.0;
-  if (nuisance.relative) return {nominal, nominal * (1.0 + ChangeOf(nuisance, z))};
+  if (nuisance.relative) return {nominal, nominal * std::exp(std::clamp(nuisance.spread * z, -7.0, 7.0))};
   const double value = nominal + nuisance.spread * z;
-  return {nominal, nuisance.only_wide ? std::max(0.0, value) : value};  // dampings are never negative
+  return {nominal, value};
 }
 
 void ApplyNuisances(const std::vector<Nuisance>& nuisances, const std::vector<double>& z, Plan& plan) {

@@ -19,7 +19,6 @@ struct Nuisance {
   bool start = false;              // belongs to the record, not to the model
   const Effect* effect = nullptr;  // the one that changes the same number, and where; null: none
   Place at = {};
-  bool only_wide = false;       // free only where a hypothesis changes the structure
   bool only_in_motion = false;  // of a start: only of records that begin otherwise than the plan does
 };
 
@@ -30,11 +29,6 @@ std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bo
 /// Writes the values that belong to z (standard deviations) into the plan; values that are not there any more are
 /// passed over.
 void ApplyNuisances(const std::vector<Nuisance>& nuisances, const std::vector<double>& z, Plan& plan);
-
-/// The deviate that changes a relative nuisance parameter's number by so much: nominal (1 + change).
-double DeviateOf(const Nuisance& nuisance, double change);
-/// And back: the change that belongs to a deviate.
-double ChangeOf(const Nuisance& nuisance, double z);
 
 /// The value at z = 0 and at z.
 struct NuisanceValue {

@@ -15,6 +15,9 @@
 namespace dynoproof::identification {
 namespace {
 
+constexpr int kOrder =
+    30;  // of the noise's model: resonances of a drive line below 2 kHz at 10 kHz are some ten pole pairs
+
 double FTail(double f, double m, double n) {
   if (!(f > 0.0) || n < 1.0) return 1.0;
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(m, n), f));
@@ -108,7 +111,7 @@ std::vector<Structure> FindStructure(const EstimationProblem& problem, const Eig
     // A record without noise leaves the rounding of both simulations, which follows everything and means nothing.
     constexpr double kRounding = 1e-9;
     if (rows.norm() <= kRounding * channel.spread * std::sqrt(static_cast<double>(channel.count))) continue;
-    const ArModel model = FitAr(rows, Whitener::kOrder);
+    const ArModel model = FitAr(rows, kOrder);
     const auto order = static_cast<Eigen::Index>(model.a.size());
     constexpr Eigen::Index kLag = 12;
     const Eigen::Index first = std::max(order, kLag), count = channel.count - first;

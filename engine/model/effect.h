@@ -26,23 +26,13 @@ struct EffectParameter {
 
 /// What kind of change an effect is, for whoever searches for one: a search asks for these and knows no effect by name.
 struct EffectTraits {
-  /// A pure dead time of a signal; its one parameter is the delay [s].
-  bool delay = false;
-  /// A first-order lag of a signal; its one parameter is the time constant [s].
-  bool lag = false;
   /// Dry friction: not smooth, the force jumps or sticks where the speed changes its sign.
   bool dry_friction = false;
-  /// Dry friction whose force also depends on the amount of the speed or differs with its direction.
-  bool speed_dependent = false;
-  /// Play: not smooth, a shaft transmits nothing within a gap; its one parameter is half of the gap [rad].
-  bool play = false;
   /// A harmonic of an angle, A sin(n phi + theta), with the parameters A, n, theta in this order.
   bool harmonic = false;
-  /// Replaces parts of the plan by another model of them, so that nominal values beside it count for less.
-  bool changes_structure = false;
   /// Effects of one family explain much of each other's error at the same place; empty: a family of its own.
   std::string family = {};
-  /// The effect of which this one is a refinement: it is tried only where one of that effect's family gains something.
+  /// The effect of which this one is a refinement: of the two the plainer one is named where it explains as much.
   std::string refines = {};
 };
 
@@ -85,14 +75,6 @@ class Effect {
   virtual Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const;
   /// The path of the number that becomes nominal (1 + first parameter) and is all that changes; empty: there is none.
   virtual std::string ScaledParameter(const Place& /*place*/) const { return ""; }
-
-  /// Dry friction only: the torque at which the body breaks loose [N m].
-  virtual double BreakAwayTorque(const std::vector<double>& parameters) const { return parameters.front(); }
-  /// Dry friction only: starts that break loose at that torque [N m], for a line of that usual speed [rad/s]. None: it
-  /// is not followed from the first slips of a record.
-  virtual Points StartsFromBreakAway(double /*torque*/, double /*speed*/) const { return {}; }
-  /// Parameters that the beginning of a record may have mistaken for these.
-  virtual Points MistakenFor(const std::vector<double>& /*parameters*/) const { return {}; }
 
  protected:
   /// What the plant of a plan declares, by which an effect finds its places.

@@ -19,12 +19,11 @@ namespace dynoproof {
 struct NuisanceParameter {
   std::string path;  // "plant.inertia.I5"
   bool relative = true;
-  double spread = 0.0;               // standard deviation: of the logarithm, or in its own unit
-  std::string reason;                // why it is this large
-  bool initial = false;              // an initial state: belongs to the record, not to the model
-  bool only_with_structure = false;  // free only where an effect changes the structure; never negative then
-  bool only_in_motion = false;       // of an initial state: only of records that begin otherwise than the plan does
-  bool only_released = false;        // exact, unless nominal values are let go: then it is a fitted value like others
+  double spread = 0.0;          // standard deviation: of the logarithm, or in its own unit
+  std::string reason;           // why it is this large
+  bool initial = false;         // an initial state: belongs to the record, not to the model
+  bool only_in_motion = false;  // of an initial state: only of records that begin otherwise than the plan does
+  bool only_released = false;   // exact, unless nominal values are let go: then it is a fitted value like others
 };
 
 /// The forces and dampings in [plant.load], which stand for whatever a fit has put there; not those that are 0.

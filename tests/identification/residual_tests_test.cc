@@ -9,7 +9,6 @@
 #include <limits>
 #include <random>
 
-#include "identification/estimator.h"
 #include "identification/noise_model.h"
 #include "tests/identification/line_record.h"
 #include "tests/identification/lumped_line.h"
@@ -155,22 +154,6 @@ TEST_F(ResidualStructure, ARowWithoutANumberIsNoNoise) {
     EXPECT_FALSE(In(residual).tested);
     EXPECT_NE(In(residual).Text(), "");
   }
-}
-
-// The largest is asked for by std::max elsewhere, which passes over what is no number.
-TEST_F(ResidualStructure, ADeviationWithoutANumberIsTheLargest) {
-  Estimate fit;
-  for (std::size_t k = 0; k < problem_.nuisances().size(); ++k) {
-    fit.nuisances.free.push_back(static_cast<int>(k));
-    fit.nuisances.freedom.push_back(1.0);
-    fit.hypothesis.z.push_back(0.5);
-  }
-  EXPECT_EQ(LargestDeviation(problem_, fit), 0.5);
-  const auto first = std::find_if(problem_.nuisances().begin(), problem_.nuisances().end(),
-                                  [](const Nuisance& one) { return !one.start; });
-  ASSERT_NE(first, problem_.nuisances().end());
-  fit.hypothesis.z[static_cast<std::size_t>(first - problem_.nuisances().begin())] = std::nan("");
-  EXPECT_TRUE(std::isnan(LargestDeviation(problem_, fit)));
 }
 
 // A share of the variance that the torque explains, a tone, and motion that a model has missed altogether. On a third

@@ -36,8 +36,7 @@ class BacklashOnShaft : public Effect {
     info_ = {"backlash",
              "T = k (d -+ a) + c w beyond a gap of +-a, phase-plane law; thesis (3.3), (3.4)",
              "a shaft with play where the model has none",
-             {{"a", "rad", "half of the play", 0.0, 0.2, 0.0, 1e-3}},
-             {.play = true}};
+             {{"a", "rad", "half of the play", 0.0, 0.2, 0.0, 1e-3}}};
   }
   // In a resonance, or where no torque was measured, the twist is several times that of the torque at rest.
   Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const override {

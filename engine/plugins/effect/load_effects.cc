@@ -53,61 +53,8 @@ class LoadEffect : public Effect {
 /// A friction torque that a line of this torque has about [N m].
 double FrictionTorque(const Magnitudes& m) { return 0.02 * m.torque; }
 
-// In a resonance inertias go much faster than what is measured, and break away far below that.
-constexpr double kShareOfSpeed[] = {0.01, 0.05, 0.2, 1.0, 5.0};
-
 // Loads whose torque follows from the speed alone explain much of each other's error.
 constexpr const char* kLoads = "load";
-
-class CoulombEffect : public LoadEffect {
- public:
-  using LoadEffect::LoadEffect;
-  Points StartsFromBreakAway(double torque, double) const override { return {{torque}}; }
-};
-
-class StribeckEffect : public LoadEffect {
- public:
-  using LoadEffect::LoadEffect;
-  double BreakAwayTorque(const std::vector<double>& parameters) const override { return parameters[1]; }  // T_s
-  Points StartsFromBreakAway(double torque, double speed) const override {
-    Points starts;
-    for (const double share : kShareOfSpeed) starts.push_back({0.6 * torque, torque, share * speed});
-    return starts;
-  }
-};
-
-class AsymmetricEffect : public LoadEffect {
- public:
-  using LoadEffect::LoadEffect;
-  Points StartsFromBreakAway(double torque, double speed) const override {
-    Points starts;
-    for (const double share : kShareOfSpeed) {
-      const double viscous = 0.1 * torque / (share * speed);
-      starts.push_back({torque, torque, viscous, viscous});
-    }
-    // The torque may be that of one direction, or stand for both.
-    const double viscous = 0.1 * torque / speed;
-    for (const auto& [forth, back] :
-         {std::pair(1.0, 0.4), std::pair(0.4, 1.0), std::pair(1.4, 0.6), std::pair(0.6, 1.4)})
-      starts.push_back({forth * torque, back * torque, viscous, viscous});
-    return starts;
-  }
-  /// In the direction in which it hardly goes, and slowly, dry and viscous friction pass for each other, and a fit to
-  /// less of the record may have taken all of one: as viscous as in the other direction is the likelier start.
-  Points MistakenFor(const std::vector<double>& p) const override {
-    return {{p[0], p[1], p[2], p[2]}, {p[0], p[1], p[3], p[3]}};
-  }
-};
-
-class DahlEffect : public LoadEffect {
- public:
-  using LoadEffect::LoadEffect;
-  Points StartsFromBreakAway(double torque, double speed) const override {
-    Points starts;
-    for (const double share : kShareOfSpeed) starts.push_back({torque, 3000.0 * torque / (share * speed)});
-    return starts;
-  }
-};
 
 EffectParameter Friction(const char* name, const char* description) {
   return {name, "N m", description, 0.0, kLargestTorque, 0.0, kSmallTorque};
@@ -130,17 +77,17 @@ std::unique_ptr<Effect> ViscousFriction() {
 }
 
 std::unique_ptr<Effect> CoulombFriction() {
-  return std::make_unique<CoulombEffect>(EffectInfo{"coulomb_friction",
-                                                    "T = -T_c sgn(w), sticking when it can hold",
-                                                    "dry friction",
-                                                    {Friction("T_c", "friction torque")},
-                                                    {.dry_friction = true, .family = kLoads}},
-                                         "coulomb", std::vector<std::string>{"T_c_Nm"},
-                                         [](const Magnitudes& m) { return Points{{FrictionTorque(m)}}; });
+  return std::make_unique<LoadEffect>(EffectInfo{"coulomb_friction",
+                                                 "T = -T_c sgn(w), sticking when it can hold",
+                                                 "dry friction",
+                                                 {Friction("T_c", "friction torque")},
+                                                 {.dry_friction = true, .family = kLoads}},
+                                      "coulomb", std::vector<std::string>{"T_c_Nm"},
+                                      [](const Magnitudes& m) { return Points{{FrictionTorque(m)}}; });
 }
 
 std::unique_ptr<Effect> StribeckFriction() {
-  return std::make_unique<StribeckEffect>(
+  return std::make_unique<LoadEffect>(
       EffectInfo{"stribeck_friction",
                  "T = -(T_c + (T_s - T_c) exp(-(w/w_s)^2)) sgn(w)",
                  "dry friction that falls with speed",
@@ -148,7 +95,7 @@ std::unique_ptr<Effect> StribeckFriction() {
                   {"T_s", "N m", "static friction", 0.0, kLargestTorque, 0.0, 2.0 * kSmallTorque},
                   // Lubricated contacts lose their static friction between some mrad/s and some 10 rad/s.
                   {"w_s", "rad/s", "Stribeck speed", 1e-3, 100.0, kShape, 1.0}},
-                 {.dry_friction = true, .speed_dependent = true, .refines = "coulomb_friction"}},
+                 {.dry_friction = true, .refines = "coulomb_friction"}},
       "stribeck", std::vector<std::string>{"T_c_Nm", "T_s_Nm", "w_s_rad_per_s"}, [](const Magnitudes& m) {
         const double friction = FrictionTorque(m);
         return Points{{friction, 2 * friction, 0.1 * m.speed}, {friction, 2 * friction, 0.5 * m.speed}};
@@ -156,13 +103,13 @@ std::unique_ptr<Effect> StribeckFriction() {
 }
 
 std::unique_ptr<Effect> AsymmetricFriction() {
-  return std::make_unique<AsymmetricEffect>(
+  return std::make_unique<LoadEffect>(
       EffectInfo{"asymmetric_friction",
                  "T = -T_c_pos - b_pos w (w > 0), T_c_neg - b_neg w (w < 0)",
                  "dry and viscous friction that differ with direction",
                  {Friction("T_c_pos", "Coulomb friction at w > 0"), Friction("T_c_neg", "Coulomb friction at w < 0"),
                   Damping("b_pos", "viscous friction at w > 0"), Damping("b_neg", "viscous friction at w < 0")},
-                 {.dry_friction = true, .speed_dependent = true, .refines = "coulomb_friction"}},
+                 {.dry_friction = true, .refines = "coulomb_friction"}},
       "asymmetric", std::vector<std::string>{"T_c_pos_Nm", "T_c_neg_Nm", "b_pos_Nms_per_rad", "b_neg_Nms_per_rad"},
       [](const Magnitudes& m) {
         const double friction = FrictionTorque(m);
@@ -171,7 +118,7 @@ std::unique_ptr<Effect> AsymmetricFriction() {
 }
 
 std::unique_ptr<Effect> DahlFriction() {
-  return std::make_unique<DahlEffect>(
+  return std::make_unique<LoadEffect>(
       EffectInfo{"dahl_friction",
                  "T = -F, dF/dt = sigma w (1 - F sgn(w)/F_c)",
                  "friction with elastic pre-sliding",

@@ -88,13 +88,13 @@ EffectParameter Gain() { return {"g", "1", "factor, 1: none", 0.1, 10.0, 1.0, 1.
 }  // namespace
 
 std::unique_ptr<Effect> ActuatorLag() {
-  return Make("input", {"actuator_lag", "tau dy/dt = u - y", "first-order lag of an input", {Lag()}, {.lag = true}},
-              "first_order_lag", {"tau_s"}, LagStarts);
+  return Make("input", {"actuator_lag", "tau dy/dt = u - y", "first-order lag of an input", {Lag()}}, "first_order_lag",
+              {"tau_s"}, LagStarts);
 }
 
 std::unique_ptr<Effect> ActuatorDelay() {
-  return Make("input", {"actuator_delay", "y(t) = u(t - t_d)", "pure delay of an input", {Delay()}, {.delay = true}},
-              "delay", {"delay_s"}, DelayStarts);
+  return Make("input", {"actuator_delay", "y(t) = u(t - t_d)", "pure delay of an input", {Delay()}}, "delay",
+              {"delay_s"}, DelayStarts);
 }
 
 std::unique_ptr<Effect> ActuatorGain() {
@@ -154,13 +154,13 @@ std::unique_ptr<Effect> SensorOffset() {
 }
 
 std::unique_ptr<Effect> SensorDelay() {
-  return Make("output", {"sensor_delay", "y(t) = x(t - t_d)", "pure delay of an output", {Delay()}, {.delay = true}},
-              "delay", {"delay_s"}, DelayStarts);
+  return Make("output", {"sensor_delay", "y(t) = x(t - t_d)", "pure delay of an output", {Delay()}}, "delay",
+              {"delay_s"}, DelayStarts);
 }
 
 std::unique_ptr<Effect> SensorLag() {
-  return Make("output", {"sensor_lag", "tau dy/dt = x - y", "first-order lag of an output", {Lag()}, {.lag = true}},
-              "first_order_lag", {"tau_s"}, LagStarts);
+  return Make("output", {"sensor_lag", "tau dy/dt = x - y", "first-order lag of an output", {Lag()}}, "first_order_lag",
+              {"tau_s"}, LagStarts);
 }
 
 std::unique_ptr<Effect> SensorDrift() {

@@ -54,8 +54,7 @@ class DistributedInertiaEffect : public Effect {
              "a named run of lumps is one distributed rotor",
              {{"I", "kg m^2", "inertia of the whole rotor", 1e-3, 200.0, kShape, 10.0},
               {"k_rotor", "N m/rad", "stiffness from end to end", 1e3, 1e9, kShape, 1e7},
-              {"c_rotor", "N m s/rad", "damping from end to end", 0.0, 5000.0, kShape, 50.0}},
-             {.changes_structure = true}};
+              {"c_rotor", "N m s/rad", "damping from end to end", 0.0, 5000.0, kShape, 50.0}}};
   }
 
   /// The inertia of the run, and its springs in series, as the thesis' first guess (2.94).

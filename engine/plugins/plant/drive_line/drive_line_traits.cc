@@ -33,24 +33,18 @@ std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
     nuisances.push_back({"plant.inertia." + name, true, kInertiaSpread, "a drawing's mass and geometry"});
   for (const char* section : {"plant.rotor", "plant.shaft"}) {
     for (const std::string& name : NamesIn(plan, section)) {
-      const std::string path = fmt::format("{}.{}.", section, name), damped = path + "damping_Nms_per_rad";
+      const std::string path = fmt::format("{}.{}.", section, name);
       nuisances.push_back({path + "inertia_kg_m2", true, kInertiaSpread, "a drawing's mass and geometry"});
       nuisances.push_back({path + "stiffness_Nm_per_rad", true, kStiffnessSpread, "a drawing's geometry"});
-      nuisances.push_back({damped, true, kDampingSpread, "nobody calculates dampings"});
+      nuisances.push_back({path + "damping_Nms_per_rad", true, kDampingSpread, "nobody calculates dampings"});
       nuisances.push_back({path + "half_gap_rad", true, kGapSpread, "a gap that was measured"});
       const std::optional<double> stiffness = NumberAt(plan, path + "stiffness_Nm_per_rad");
       if (!stiffness) continue;
-      const Value* damping = plan.root.FindPath(damped);
-      // The spread: a thousandth of the critical damping 2 sqrt(k J) for J = 0.1 kg m^2 behind the shaft.
-      if (damping != nullptr && damping->is_number() && damping->number() == 0.0) {
-        nuisances.push_back({damped, false, 0.002 * std::sqrt(0.1 * *stiffness),
-                             "a nominal 0 is a simplification, which another structure may not inherit", false, true});
-      }
       if (std::string_view(section) != "plant.shaft") continue;
       nuisances.push_back({path + "initial_twist_rad", false, torque / *stiffness,
                            "a record may start while the line is wound up", true});
       nuisances.push_back({path + "initial_twist_rate_rad_per_s", false, kStartSpeed_rad_per_s,
-                           "a record may start while the line swings", true, false, true});
+                           "a record may start while the line swings", true, true});
     }
   }
   const std::vector<NuisanceParameter> loads = LoadSizes(plan);

@@ -1,6 +1,6 @@
 // Diagnosis by corrected prediction on records that the engine makes: nominal values drawn within their priors, noise of a
 // hundredth, and one effect hidden, or none.
-#include "diagnosis/corrected.h"
+#include "diagnosis/diagnose.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -38,13 +38,13 @@ Plan AsBuilt(Plan plan) {
 Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool in_motion = false) {
   const Plan plan = Scenario(kScenario, {"run.duration_s=0.5"});
   DiagnoseOptions options;
-  const fs::path folder = fs::temp_directory_path() / ("corrected_" + std::to_string(::getpid()));
+  const fs::path folder = fs::temp_directory_path() / ("diagnose_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   options.out = folder.string();
   options.scenario_file = kScenario;
   MappedRecord record = RecordOf(truth, noise, {"T_shaft", "omega_1"}, 5, pole);
   record.in_motion = in_motion;
-  const Result<Diagnosis> result = DiagnoseCorrected(plan, {record}, {}, testing::BuiltIns(), options);
+  const Result<Diagnosis> result = Diagnose(plan, {record}, {}, testing::BuiltIns(), options);
   EXPECT_TRUE(result.ok()) << result.failure().ToString();
   fs::remove_all(folder);
   return result.ok() ? *result : Diagnosis();
@@ -52,7 +52,7 @@ Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool i
 
 Plan Nominal() { return Scenario(kScenario, {"run.duration_s=0.5"}); }
 
-TEST(SlowCorrected, NamesNothingWhereNothingIsHidden) {
+TEST(SlowDiagnose, NamesNothingWhereNothingIsHidden) {
   const Diagnosis found = DiagnosisOf(AsBuilt(Nominal()), 0.01);
   EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason;
   EXPECT_TRUE(found.effects.empty());
@@ -60,7 +60,7 @@ TEST(SlowCorrected, NamesNothingWhereNothingIsHidden) {
   EXPECT_LT(found.simulations, 2700.0);
 }
 
-TEST(SlowCorrected, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
+TEST(SlowDiagnose, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   Plan turning = AsBuilt(Nominal());
   turning.root["plant"]["initial_speed_rad_per_s"] = Value(2.3);
   const Diagnosis found = DiagnosisOf(turning, 0.01, 0.9, true);
@@ -68,7 +68,7 @@ TEST(SlowCorrected, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   EXPECT_TRUE(found.effects.empty());
 }
 
-TEST(SlowCorrected, NamesADelayOfACommandAndNotOfASensor) {
+TEST(SlowDiagnose, NamesADelayOfACommandAndNotOfASensor) {
   const Diagnosis found =
       DiagnosisOf(WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4}), 0.01);
   ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
@@ -80,14 +80,14 @@ TEST(SlowCorrected, NamesADelayOfACommandAndNotOfASensor) {
   EXPECT_LT(found.simulations, 6300.0);  // 4190, and half as many more: a last bit may turn a fit
 }
 
-TEST(SlowCorrected, NamesDryFrictionAtItsPlace) {
+TEST(SlowDiagnose, NamesDryFrictionAtItsPlace) {
   const Diagnosis found = DiagnosisOf(WithEffect(AsBuilt(Nominal()), "coulomb_friction", "inertia:I5", {30.0}), 0.005);
   ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
   EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "coulomb_friction@inertia:I5");
   EXPECT_NEAR(found.effects[0].parameters[0].value, 30.0, 1.5);
 }
 
-TEST(SlowCorrected, NamesTwoCausesOneAfterTheOther) {
+TEST(SlowDiagnose, NamesTwoCausesOneAfterTheOther) {
   const Plan one = WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4});
   const Diagnosis found = DiagnosisOf(WithEffect(one, "sensor_gain", "output:omega_1", {1.08}), 0.01);
   ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason << "\n" << ToText(found.journal);

@@ -1,0 +1,75 @@
+// Effects start where they say themselves, those of a plugin as well as those that are built in.
+#include "diagnosis/trial.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "experiment/prepare.h"
+#include "scenario/load.h"
+#include "tests/identification/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+/// A plugin's effect of two numbers, whose name ends as that of a built-in one of one number.
+class ShaftLag : public Effect {
+ public:
+  ShaftLag() {
+    info_ = {"shaft_lag", "", "a shaft whose torque follows its twist late", {}};
+    info_.parameters = {{"tau", "s", "time constant", 0.0, 1.0, 0.0, 0.01}, {"share", "1", "", 0.0, 1.0, 0.0, 0.25}};
+  }
+  std::vector<Place> Places(const Plan&) const override { return {{"shaft", "k1", ""}}; }
+  void Apply(Plan&, const Place&, const std::vector<double>&) const override {}
+};
+
+TEST(TrialsOf, AnEffectStartsWhereItSays) {
+  Registry registry;
+  RegisterBuiltIns(registry);
+  registry.Add(std::make_unique<ShaftLag>());
+  Diagnostics diagnostics;
+  const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
+  ASSERT_TRUE(plan) << diagnostics.Format();
+  MappedRecord record;
+  record.inputs["T_airgap"] = {Shared(Times(2001)), Shared(RandomTorque(2001))};
+  record.outputs["T_shaft"] = record.inputs["T_airgap"];
+  record.end_s = 0.2;
+  const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry, 0.0, 1000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const EstimationProblem problem(*plan, {record}, registry);
+  const estimation::Hypothesis base(*plan);
+  const std::vector<Trial> trials = TrialsOf(base, **levels, MagnitudesOf(problem), registry);
+  const auto trial_of = [&](const std::string& name) {
+    return std::ranges::find_if(trials, [&](const Trial& trial) { return trial.effect->info().name == name; });
+  };
+  const auto lag = trial_of("shaft_lag");
+  ASSERT_NE(lag, trials.end());
+  ASSERT_EQ(lag->starts.size(), 1U);
+  EXPECT_DOUBLE_EQ(lag->hypothesis.parameters()[0].ValueAt(lag->starts[0][0]), 0.01);
+  EXPECT_DOUBLE_EQ(lag->hypothesis.parameters()[1].ValueAt(lag->starts[0][1]), 0.25);
+  ASSERT_NE(trial_of("actuator_lag"), trials.end());
+  EXPECT_GT(trial_of("actuator_lag")->starts.size(), 1U);
+}
+
+TEST(TrialsOf, OfWhatNoRecordHasThereIsNone) {
+  Registry registry;
+  RegisterBuiltIns(registry);
+  Diagnostics diagnostics;
+  const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
+  ASSERT_TRUE(plan) << diagnostics.Format();
+  MappedRecord record;
+  record.inputs["T_airgap"] = {Shared(Times(2001)), Shared(RandomTorque(2001))};
+  record.outputs["T_shaft"] = record.inputs["T_airgap"];
+  record.end_s = 0.2;
+  const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry, 0.0, 1000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const EstimationProblem problem(*plan, {record}, registry);
+  std::vector<std::string> places;
+  for (const Trial& trial : TrialsOf(estimation::Hypothesis(*plan), **levels, MagnitudesOf(problem), registry)) {
+    if (trial.effect->info().name == "sensor_gain") places.push_back(trial.place.ToString());
+  }
+  EXPECT_EQ(places, std::vector<std::string>{"output:T_shaft"}) << "omega_1 is an output of the scenario alone";
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
