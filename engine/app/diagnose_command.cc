@@ -20,7 +20,7 @@ namespace {
 
 struct DiagnoseArguments {
   Common common;
-  std::string scenario, out = "out", html;
+  std::string scenario, method, out = "out", html;
   std::vector<std::string> data, maps, holdout, overrides;
   double most_simulations = diagnosis::DiagnoseOptions().most_simulations;
   double most_cpu_s = 0.0;
@@ -135,6 +135,8 @@ void AddDiagnose(CLI::App& program, int& exit) {
           "--most-cpu", arguments->most_cpu_s,
           "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
       ->check(CLI::PositiveNumber);
+  // There is one method; scripts from when there were two name it.
+  command->add_option("--method", arguments->method)->check(CLI::IsMember({"corrected"}))->group("");
   command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
   AddCommon(*command, arguments->common);
   AddExamples(
