@@ -245,6 +245,13 @@ class Pipeline {
     const auto& [contest, settled] = answer;
     result_.verdict = settled.verdict;
     result_.reason = settled.reason;
+    // A first of several causes may explain little; what stands alone at the end and is called the main one explains half.
+    if (settled.verdict == Verdict::kMainCause && !(settled.explains >= policy::kMainCause)) {
+      result_.verdict = Verdict::kUnexplained;
+      result_.reason =
+          fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part",
+                      contest.contestants[settled.causes.front()].Name(), 100.0 * settled.explains);
+    }
     const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);
     if (!alike.empty()) StandBeside(answer, alike);
     if (Status failed = Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_,

@@ -47,6 +47,8 @@ inline constexpr double kNearEnough = 30.0;
 inline constexpr double kShare = 0.2;
 /// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.
 inline constexpr double kHeldOutPrior = 0.1, kHeldOutReleased = 0.5;
+/// Least share on data that took no part that a main cause explains: most of it.
+inline constexpr double kMainCause = 0.5;
 /// Share of what the plan as given leaves on data that took no part, from which on a null that removes it, too, leaves them
 /// nothing to tell the two apart by.
 inline constexpr double kBothPredict = 0.9;

@@ -256,6 +256,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   settled.best_explains = largest;
   if (plain.size() == 1) {
     settled.verdict = Verdict::kMainCause;
+    settled.explains = std::min(explained(plain[0], shorter), explained(plain[0], longer(plain[0])));
     settled.reason = fmt::format(
         "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
         "more than noise",

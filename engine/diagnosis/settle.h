@@ -20,6 +20,7 @@ struct Settled {
   std::vector<std::size_t> causes;  // of Contest::contestants: one, or those that cannot be told apart
   std::optional<std::size_t> best;  // that removes most, where no cause is named
   double best_explains = 0.0;       // the share of it on data that took no part
+  double explains = 0.0;            // the same of a main cause
   std::size_t level = 0;            // at which was compared
   bool exact = false;               // a model leaves nothing but noise there
   std::string rule, reason;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/policy.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -144,6 +145,7 @@ TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   EXPECT_EQ(settled.verdict, Verdict::kMainCause) << settled.reason;
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
   EXPECT_FALSE(settled.exact);
+  EXPECT_GE(settled.explains, policy::kMainCause);
   // The same fit, and on the other data no better than the plan as given.
   const Settled nothing = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.95}});
   EXPECT_EQ(nothing.verdict, Verdict::kUnexplained) << nothing.reason;
