@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "diagnosis/extend.h"
 #include "diagnosis/trial.h"

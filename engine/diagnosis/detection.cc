@@ -141,7 +141,7 @@ std::vector<Seen> SmallestSeen(const Contestant& null, const Levels& levels, con
       const std::optional<double> more = SizeThatShows(rows, remainder, nominal);
       if (!more) return;
       size *= *more;
-      if (*more<kSame&& * more> 1.0 / kSame) break;
+      if (std::abs(std::log(*more)) < std::log(kSame)) break;
     }
     const std::size_t strength = trial.strengths.front();
     const estimation::Parameter& parameter =

@@ -23,22 +23,29 @@ class ShaftLag : public Effect {
   void Apply(Plan&, const Place&, const std::vector<double>&) const override {}
 };
 
-TEST(TrialsOf, AnEffectStartsWhereItSays) {
-  Registry registry;
-  RegisterBuiltIns(registry);
-  registry.Add(std::make_unique<ShaftLag>());
-  Diagnostics diagnostics;
-  const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-  ASSERT_TRUE(plan) << diagnostics.Format();
-  MappedRecord record;
-  record.inputs["T_airgap"] = {Shared(Times(2001)), Shared(RandomTorque(2001))};
-  record.outputs["T_shaft"] = record.inputs["T_airgap"];
-  record.end_s = 0.2;
-  const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry, 0.0, 1000);
-  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
-  const EstimationProblem problem(*plan, {record}, registry);
-  const estimation::Hypothesis base(*plan);
-  const std::vector<Trial> trials = TrialsOf(base, **levels, MagnitudesOf(problem), registry);
+/// The lumped line with a record of T_shaft alone.
+class TrialsOfALine : public ::testing::Test {
+ protected:
+  std::vector<Trial> Trials() {
+    Diagnostics diagnostics;
+    const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
+    if (!plan) throw std::runtime_error(diagnostics.Format());
+    MappedRecord record;
+    record.inputs["T_airgap"] = {Shared(Times(2001)), Shared(RandomTorque(2001))};
+    record.outputs["T_shaft"] = record.inputs["T_airgap"];
+    record.end_s = 0.2;
+    const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry_, 0.0, 1000);
+    if (!levels.ok()) throw std::runtime_error(levels.failure().ToString());
+    const EstimationProblem problem(*plan, {record}, registry_);
+    return TrialsOf(estimation::Hypothesis(*plan), **levels, MagnitudesOf(problem), registry_);
+  }
+  Registry registry_;
+};
+
+TEST_F(TrialsOfALine, AnEffectStartsWhereItSays) {
+  RegisterBuiltIns(registry_);
+  registry_.Add(std::make_unique<ShaftLag>());
+  const std::vector<Trial> trials = Trials();
   const auto trial_of = [&](const std::string& name) {
     return std::ranges::find_if(trials, [&](const Trial& trial) { return trial.effect->info().name == name; });
   };
@@ -51,21 +58,10 @@ TEST(TrialsOf, AnEffectStartsWhereItSays) {
   EXPECT_GT(trial_of("actuator_lag")->starts.size(), 1U);
 }
 
-TEST(TrialsOf, OfWhatNoRecordHasThereIsNone) {
-  Registry registry;
-  RegisterBuiltIns(registry);
-  Diagnostics diagnostics;
-  const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
-  ASSERT_TRUE(plan) << diagnostics.Format();
-  MappedRecord record;
-  record.inputs["T_airgap"] = {Shared(Times(2001)), Shared(RandomTorque(2001))};
-  record.outputs["T_shaft"] = record.inputs["T_airgap"];
-  record.end_s = 0.2;
-  const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry, 0.0, 1000);
-  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
-  const EstimationProblem problem(*plan, {record}, registry);
+TEST_F(TrialsOfALine, OfWhatNoRecordHasThereIsNone) {
+  RegisterBuiltIns(registry_);
   std::vector<std::string> places;
-  for (const Trial& trial : TrialsOf(estimation::Hypothesis(*plan), **levels, MagnitudesOf(problem), registry)) {
+  for (const Trial& trial : Trials()) {
     if (trial.effect->info().name == "sensor_gain") places.push_back(trial.place.ToString());
   }
   EXPECT_EQ(places, std::vector<std::string>{"output:T_shaft"}) << "omega_1 is an output of the scenario alone";
