@@ -72,6 +72,7 @@ Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const 
       Fit(contestant.hypothesis, levels[level], saved ? *saved : BestStart(contestant, null, levels, level, from),
           {.iterations = 10,
            .renewals = 2,
+           .points = policy::kRoughPoints,
            .of_excess = policy::kCarriedTo,
            .near = true,
            .known = null.Holds(level) ? std::optional(known) : std::nullopt}));

@@ -56,10 +56,9 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
   Contestant null(std::move(free));
   std::vector<const Predictor*> order;
   for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
-  // Under priors the truth is near, and columns of its own at each step lead there. Let go, a model that lacks its effect has no
-  // truth to go to: what it finds first is nearer to the plan as given than what a thorough search would.
-  null.levels =
-      estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6, .near = released});
+  // From near by: let go, a model that lacks its effect has no truth to go to, and what it finds first is nearer to the plan as
+  // given than what a thorough search would find.
+  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6, .near = true});
   return null;
 }
 

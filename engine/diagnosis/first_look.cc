@@ -143,6 +143,20 @@ Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& 
   return sketch;
 }
 
+/// How many of the sketches, in this order, are worth a fit. Where the null leaves an excess, as many as are affordable. Where
+/// it leaves none, those whose score test (Rao 1948) says that they remove more than noise lets a candidate remove by chance,
+/// and the first few in any case, for the report.
+std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size_t level,
+                         const std::vector<std::size_t>& order, const std::vector<Sketch>& sketches) {
+  const Estimate& estimate = null.levels[level];
+  if (HasExcess(estimate, levels.data())) return policy::kLookedAtMost;
+  const double power = estimate.weighted.squaredNorm();  // of rows that noise alone makes about one each
+  const auto chance =
+      std::ranges::find_if(order, [&](std::size_t i) { return sketches[i].removes * power < policy::kByChance; });
+  return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast,
+                                 policy::kLookedAtMost);
+}
+
 /// A cheap fit at a level, and at the next one.
 Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null, const Levels& levels,
                    std::size_t level) {
@@ -204,7 +218,7 @@ std::vector<Contestant> FirstLook(const Contestant& null, const Levels& levels, 
   }
   std::ranges::stable_sort(order,
                            [&](std::size_t a, std::size_t b) { return sketches[a].removes > sketches[b].removes; });
-  if (order.size() > policy::kLookedAtMost) order.resize(policy::kLookedAtMost);
+  order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches)));
   std::vector<std::optional<Contestant>> seen(order.size());
   in_parts(order.size(), kSketched, 1.0,
            [&](std::size_t i) { seen[i] = FitOnce(candidates[order[i]], sketches[order[i]].q, null, levels, level); });

@@ -21,18 +21,25 @@ inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are fitted at a first look, of the some hundred whose one or two runs beside the null promise most.
 inline constexpr std::size_t kLookedAtMost = 40;
-/// Points that such a fit looks at: a stiffness that was a tenth off came from a start on the wrong side in 35.
-inline constexpr int kLookedAtPoints = 40;
+/// What one number removes by chance of a square of noise whose standard deviation is one [that variance]: of a hundred candidates
+/// less than one removes more than three standard deviations. And those that are fitted though all are below.
+inline constexpr double kByChance = 9.0;
+inline constexpr std::size_t kLookedAtLeast = 3;
+/// Points that such a fit looks at: a stiffness that was a tenth off came from a start on the wrong side in 24.
+inline constexpr int kLookedAtPoints = 24;
 /// Candidates that are carried from a first look through all levels: on top of the nominal model, and of one that has causes.
 inline constexpr std::size_t kCarried = 10, kCarriedOnTop = 5;
 /// Points that the fit of a candidate at a level looks at: steps, and sets of columns. Causes that were right took some twenty
 /// steps and two sets on the heavy-duty line, models that went along a valley four hundred points. Of two coupled drives with four
 /// numbers 25 points were too few to find the right one, 60 were enough.
 inline constexpr int kSteps = 60, kColumns = 3;
+/// The same of a fit with other models' columns.
+inline constexpr int kRoughPoints = 30;
 /// Noise that a level makes of a record's, over that, up to which a model that is exact there may rule out others.
 inline constexpr double kQuiet = 1.5;
-/// Power beyond the noise over the least of all at a level, from which on a fit is left as the null's columns gave it.
-inline constexpr double kFarBehind = 10.0;
+/// Power beyond the noise over the least of all at a level, from which on a fit is left as other models' columns gave it: models
+/// within twice the least may be a cause.
+inline constexpr double kFarBehind = 3.0;
 /// A fit ends where its next step would lower the excess by less than this share: at a first look, and on the way through the
 /// levels. Models are told apart by shares of some hundredths.
 inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;

@@ -100,8 +100,9 @@ class Residual : public ceres::CostFunction {
     std::copy(weighted.begin(), weighted.end(), residuals);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     Eigen::Map<RowMajor> jacobian(jacobians[0], weighted.size(), q.size());
-    if (frozen_.size() > 0) {
-      jacobian = frozen_;
+    if (kept_.size() > 0) {
+      Follow(q, weighted);
+      jacobian = kept_;
       return true;
     }
     const std::optional<RowMajor> columns = ColumnsAt(*here, weighted);
@@ -131,8 +132,12 @@ class Residual : public ceres::CostFunction {
     return columns;
   }
 
-  /// From now on Evaluate() gives these columns; empty: new ones at each point.
-  void Freeze(RowMajor columns) { frozen_ = std::move(columns); }
+  /// From now on Evaluate() gives the columns of this point, followed along the descent; empty: new ones at each point.
+  void Keep(RowMajor columns, VectorXd q = {}, VectorXd weighted = {}) {
+    kept_ = std::move(columns);
+    kept_at_ = std::move(q);
+    kept_weighted_ = std::move(weighted);
+  }
 
   /// The part of Q about this point that noise alone does not cause.
   double Excess() const {
@@ -152,6 +157,16 @@ class Residual : public ceres::CostFunction {
   Index rows() const { return rows_; }
 
  private:
+  /// Broyden's update (1965): of all columns that give what the last step has changed, those nearest to the ones before.
+  void Follow(const VectorXd& q, const VectorXd& weighted) const {
+    const VectorXd step = q - kept_at_;
+    if (!(step.squaredNorm() > 0.0)) return;
+    const VectorXd missed = weighted - kept_weighted_ - kept_ * step;
+    kept_ += missed * (step / step.squaredNorm()).transpose();
+    kept_at_ = q;
+    kept_weighted_ = weighted;
+  }
+
   /// The column of another fit for the same number.
   std::optional<Index> KnownOf(const Parameter& parameter) const {
     if (!known_) return std::nullopt;
@@ -185,7 +200,8 @@ class Residual : public ceres::CostFunction {
   Index rows_ = 0;
   bool rough_ = false;
   std::vector<Index> priors_;
-  RowMajor frozen_;
+  mutable RowMajor kept_;
+  mutable VectorXd kept_at_, kept_weighted_;
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -222,14 +238,24 @@ std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovati
 
 namespace {
 
+/// The coordinates on a bound that a descent would leave by it: beside them the others find their minimum.
+std::vector<Index> HeldByBounds(const VectorXd& gradient, const VectorXd& q, const VectorXd& lower,
+                                const VectorXd& upper) {
+  std::vector<Index> held;
+  for (Index i = 0; i < q.size(); ++i) {
+    if ((q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0)) held.push_back(i);
+  }
+  return held;
+}
+
 /// The decrease of the criterion that a Gauss-Newton step within the bounds promises (Newton decrement).
 double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const VectorXd& q, const VectorXd& lower,
                    const VectorXd& upper) {
   const VectorXd gradient = columns.transpose() * weighted;
+  const std::vector<Index> held = HeldByBounds(gradient, q, lower, upper);
   std::vector<Index> free;
   for (Index i = 0; i < q.size(); ++i) {
-    const bool held = (q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0);
-    if (!held) free.push_back(i);
+    if (std::ranges::find(held, i) == held.end()) free.push_back(i);
   }
   if (free.empty()) return 0.0;
   const Eigen::MatrixXd own = columns(Eigen::all, free);
@@ -252,7 +278,9 @@ class Budget : public ceres::IterationCallback {
 
 /// Levenberg-Marquardt within the bounds. Says why it failed; empty: it did not.
 std::string Descend(const Residual& residual, const EstimatorOptions& options, double converged, std::int64_t most,
-                    const VectorXd& lower, const VectorXd& upper, double squares, VectorXd& q, Estimate& estimate) {
+                    const VectorXd& lower, const VectorXd& upper, const std::vector<Index>& held, double squares,
+                    VectorXd& q, Estimate& estimate) {
+  if (std::ssize(held) == q.size()) return "";
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -261,6 +289,9 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
     problem.SetParameterLowerBound(q.data(), static_cast<int>(i), lower[i]);
     problem.SetParameterUpperBound(q.data(), static_cast<int>(i), upper[i]);
   }
+  // Ceres cuts a step off at the bounds: what is left of one across them goes uphill where numbers make up for each other.
+  if (!held.empty())
+    problem.SetManifold(q.data(), new ceres::SubsetManifold(static_cast<int>(q.size()), {held.begin(), held.end()}));
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.iterations;
@@ -317,9 +348,12 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
     }
     if (settled || estimate.renewals == options.renewals || residual.points() >= most) break;
     // The columns of here serve for the whole descent, a simulation a step; where they lead nowhere, each step gets its own.
-    residual.Freeze(fresh ? RowMajor() : columns);
-    estimate.broken = Descend(residual, options, converged, most, lower, upper, weighted.squaredNorm(), q, estimate);
-    residual.Freeze({});
+    if (!fresh) residual.Keep(columns, q, weighted);
+    const std::vector<Index> held =
+        columns.rows() > 0 ? HeldByBounds(columns.transpose() * weighted, q, lower, upper) : std::vector<Index>();
+    estimate.broken =
+        Descend(residual, options, converged, most, lower, upper, held, weighted.squaredNorm(), q, estimate);
+    residual.Keep({});
     if (!estimate.ok()) break;
     const std::optional<Point> there = residual.At(q);
     const bool gained = there && begun - residual.CriterionOf(residual.Weighted(*there)) >= converged;

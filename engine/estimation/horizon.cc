@@ -68,7 +68,7 @@ Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const R
     if (!predictor.observer() || predictor.observer()->memory_s() < kReached * memory_s) break;
     if (predictor.observer()->memory_s() > memory_s / kReached) continue;  // no forces make it as short
     Result<HorizonLevel> level = look(predictor);
-    if (!level.ok()) break;  // what diverges beside its record is told by the free run
+    if (!level.ok()) continue;  // a run may diverge beside its record with one memory, and hold with the next
     level->memory_s = predictor.observer()->memory_s();
     level->share = predictor.observer()->share();
     within = within && level->at_noise;

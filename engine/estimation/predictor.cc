@@ -20,45 +20,103 @@ using Eigen::VectorXd;
 constexpr double kOnTick = 1e-3;  // of a period: a stamp so near a tick is there
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A course by tick at an instant; between ticks the straight line.
-double At(const std::vector<double>& course, double time_s, double period_s) {
-  double tick = std::clamp(time_s / period_s, 0.0, static_cast<double>(course.size() - 1));
-  if (std::abs(tick - std::round(tick)) < kOnTick) tick = std::round(tick);
-  const auto before = static_cast<std::size_t>(tick);
-  const double share = tick - static_cast<double>(before);
-  return share > 0.0 ? course[before] + share * (course[before + 1] - course[before]) : course[before];
+/// Where in a course by tick an instant is: the tick at or before it, and the share of the period behind that.
+struct Instant {
+  std::size_t tick;
+  double share;
+
+  Instant(double time_s, double period_s, std::size_t ticks) {
+    double at = std::clamp(time_s / period_s, 0.0, static_cast<double>(ticks - 1));
+    if (std::abs(at - std::round(at)) < kOnTick) at = std::round(at);
+    tick = static_cast<std::size_t>(at);
+    share = at - static_cast<double>(tick);
+  }
+};
+
+/// A signal by tick: as each period ends there, after the correction as the next one begins, and as its sensor has seen it last.
+struct Course {
+  std::vector<double> ends, begins, seen;
+
+  explicit Course(std::int64_t steps)
+      : ends(static_cast<std::size_t>(steps) + 1), begins(ends.size()), seen(ends.size()) {}
+
+  /// What a period changes.
+  double Change(std::size_t tick) const { return ends[tick + 1] - begins[tick]; }
+
+  /// Between ticks the cubic by what this period changes and its neighbours (Bessel's formula), which have no step in them;
+  /// at the ends the straight line. Of a vibration of six ticks a period a line takes 16 %, the cubic 3 %.
+  double At(const Instant& at) const {
+    const auto& [k, x] = at;
+    if (!(x > 0.0)) return ends[k];
+    double value = begins[k] + x * Change(k);
+    if (k == 0 || k + 2 >= ends.size()) return value;
+    const double before = Change(k - 1), after = Change(k + 1);
+    value += 0.25 * x * (x - 1.0) * (after - before);
+    return value + (x - 0.5) * x * (x - 1.0) / 6.0 * (after - 2.0 * Change(k) + before);
+  }
+};
+
+/// A record's value at an instant near its sample i: the cubic through the four samples around it; the straight line beside a
+/// gap; beyond the ends the sample itself.
+double ValueNear(const Series& measured, std::size_t i, double time_s) {
+  constexpr double kEven = 1.5;  // steps between which there is no gap
+  const std::vector<double>&time = *measured.time, &values = *measured.values;
+  if (time_s == time[i]) return values[i];
+  const std::size_t k = time_s < time[i] ? i - 1 : i;  // of the step that holds the instant
+  if ((k == i - 1 && i == 0) || k + 1 >= time.size()) return values[i];
+  const double step = time[k + 1] - time[k], x = (time_s - time[k]) / step;
+  const auto even = [&](std::size_t from) { return time[from + 1] - time[from] < kEven * step; };
+  if (k == 0 || k + 2 >= time.size() || !even(k - 1) || !even(k + 1))
+    return values[k] + x * (values[k + 1] - values[k]);
+  double value = 0.0;
+  for (std::size_t a = k - 1; a <= k + 2; ++a) {
+    double share = values[a];
+    for (std::size_t b = k - 1; b <= k + 2; ++b) share *= b == a ? 1.0 : (time_s - time[b]) / (time[a] - time[b]);
+    value += share;
+  }
+  return value;
 }
 
 /// Error of a sensor where its chain begins, in the unit of the nominal sensor.
 class SensorError {
  public:
-  /// A delayed sensor shows what was before: a sample counts at the first tick after the instant that it tells of, and is
-  /// compared with the run before that tick's own correction.
+  /// A sample tells of an instant that the sensor's delay ago was: it counts at the first tick from then on. One between ticks
+  /// is taken as what the record is at the nearest tick: a run is not known between ticks, where it has modes as fast as that.
   SensorError(const Rig& rig, std::size_t output, double nominal_slope, const Series* measured, double period_s)
-      : rig_(rig), chain_(rig, output), inverse_(chain_.lag_s()), slope_(nominal_slope), period_s_(period_s) {
+      : rig_(rig),
+        line_(rig.outputs[output]),
+        chain_(rig, output),
+        inverse_(chain_.lag_s()),
+        slope_(nominal_slope),
+        period_s_(period_s) {
+    for (std::size_t i = 0; i < rig.intervals.size() && line_.sample_fraction > 0.0; ++i) {
+      if (std::ranges::count(rig.intervals[i].samples, static_cast<int>(output)) > 0) taken_ = static_cast<int>(i);
+    }
     if (measured == nullptr) return;
     measured_.assign(static_cast<std::size_t>(rig.steps) + 1, kNone);
-    passed_.assign(measured_.size(), 1.0);
     for (std::size_t i = 0; i < measured->time->size(); ++i) {
-      const double tick = ((*measured->time)[i] - chain_.delay_s()) / period_s;
-      const double next = std::abs(tick - std::round(tick)) < kOnTick ? std::round(tick) : std::ceil(tick);
-      if (!(next >= 0.0) || next > static_cast<double>(rig.steps)) continue;
-      const auto k = static_cast<std::size_t>(next);
-      measured_[k] = (*measured->values)[i];
-      passed_[k] = std::min(1.0, 1.0 - (next - tick));
+      const double tick = (*measured->time)[i] / period_s, nearest = std::round(tick), counts = nearest - late();
+      if (!(counts >= 0.0) || counts > static_cast<double>(rig.steps)) continue;
+      measured_[static_cast<std::size_t>(counts)] =
+          std::abs(tick - nearest) < kOnTick ? (*measured->values)[i] : ValueNear(*measured, i, nearest * period_s);
     }
   }
 
   const SensorChain& chain() const { return chain_; }
+  /// The interval of a period at whose beginning the sensor looks; -1: at the ticks.
+  int taken() const { return taken_; }
+  /// Ticks from where a sample counts to where it shows.
+  int late() const { return line_.delay_periods - (taken_ >= 0 ? 1 : 0); }
+  /// What the sensor has looked at last, in a frame at a tick.
+  double SeenIn(const Frame& frame) const {
+    if (taken_ < 0 || frame.step == 0) return frame.signals[static_cast<std::size_t>(chain_.end())];
+    return frame.rings[static_cast<std::size_t>(line_.ring + (frame.step - 1) % line_.delay_periods)];
+  }
   /// At each tick, in order, where the run stands; 0 where there is no sample, or the sensor does not react.
   double At(const Frame& frame, std::size_t tick) {
     constexpr double kDead = 1e-3;  // of the nominal slope
-    const double before = end_, now = frame.signals[static_cast<std::size_t>(chain_.end())];
-    end_ = now;
     if (measured_.empty() || !std::isfinite(measured_[tick])) return 0.0;
-    const double share = tick == 0 ? 1.0 : passed_[tick];
-    const double error = inverse_(measured_[tick] - (share < 1.0 ? before + share * (now - before) : now),
-                                  static_cast<double>(tick - last_) * period_s_);
+    const double error = inverse_(measured_[tick] - SeenIn(frame), static_cast<double>(tick - last_) * period_s_);
     last_ = tick;
     const double slope = chain_.SlopeAt(frame, rig_.SecondsOf(frame.time));
     return std::abs(slope) > kDead * slope_ ? error * slope_ / slope : 0.0;
@@ -66,22 +124,25 @@ class SensorError {
 
  private:
   const Rig& rig_;
+  const OutputLine& line_;
   SensorChain chain_;
   LagInverse inverse_;
-  double slope_, period_s_, end_ = 0.0;
-  std::vector<double> measured_, passed_;  // by tick; passed: of the period before, when the sample's instant was
+  double slope_, period_s_;
+  int taken_ = -1;
+  std::vector<double> measured_;  // by tick
   std::size_t last_ = 0;
 };
 
 /// A column of an observer for each output, by what the run's modes are.
 class Corrections {
  public:
-  Corrections(const Observer& observer, const BuiltRun& run) : observer_(observer), run_(run) {}
+  Corrections(const Observer& observer, const BuiltRun& run, std::vector<int> taken)
+      : observer_(observer), run_(run), taken_(std::move(taken)) {}
 
   Correction& For(const std::vector<int>& modes) {
     if (last_ != nullptr && run_.rig->modes == 0) return *last_;
     std::unique_ptr<Correction>& own = by_modes_[modes];
-    if (own == nullptr) own = run_.solver->MakeCorrection(observer_.GainsFor(*run_.rig, modes));
+    if (own == nullptr) own = run_.solver->MakeCorrection(observer_.GainsFor(*run_.rig, modes), taken_);
     last_ = own.get();
     return *last_;
   }
@@ -90,6 +151,7 @@ class Corrections {
   Correction* last_ = nullptr;
   const Observer& observer_;
   const BuiltRun& run_;
+  std::vector<int> taken_;
   std::map<std::vector<int>, std::unique_ptr<Correction>> by_modes_;
 };
 
@@ -135,7 +197,8 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
   const std::size_t count = model_->outputs.size();
   std::vector<std::size_t> lines;
   std::vector<SensorError> sensors;
-  std::vector<std::vector<double>> predicted;
+  std::vector<Course> courses;
+  std::vector<int> taken;
   for (std::size_t j = 0; j < count; ++j) {
     const std::string& name = model_->outputs[j];
     const auto line = std::ranges::find(rig.outputs, name, &OutputLine::name);
@@ -144,41 +207,67 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
     lines.push_back(static_cast<std::size_t>(line - rig.outputs.begin()));
     sensors.emplace_back(rig, lines.back(), model_->slopes[static_cast<Index>(j)],
                          series != record.outputs.end() ? &series->second : nullptr, period_s);
-    predicted.emplace_back(static_cast<std::size_t>(rig.steps) + 1);
+    taken.push_back(sensors.back().taken());
+    courses.emplace_back(rig.steps);
   }
   Simulation simulation(rig, *run.solver);
   if (Status failed = simulation.Start()) return failed;
   auto lead = leads_.begin();
   std::unique_ptr<Corrections> corrections;
   const auto correct_by = [&](const std::optional<Observer>& observer) {
-    corrections = observer ? std::make_unique<Corrections>(*observer, run) : nullptr;
+    corrections = observer ? std::make_unique<Corrections>(*observer, run, taken) : nullptr;
   };
   correct_by(lead != leads_.end() ? lead->observer : observer_);
+  struct Row {
+    Index index;
+    std::size_t output;
+    Instant at;
+    double value(const Course& course) const { return at.share > 0.0 ? course.At(at) : course.seen[at.tick]; }
+  };
+  std::vector<Row> rows;
+  for (const Channel& channel : data_->channels()) {
+    if (channel.record != r) continue;
+    const auto j = static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
+    for (Index i = channel.begin; i < channel.begin + channel.count; ++i) {
+      const double time_s = data_->time_s()[static_cast<std::size_t>(i)];
+      Instant at(time_s, period_s, courses[j].ends.size());
+      if (!free_run()) {
+        // A delayed sample would have been corrected by what it is compared with: the delay is counted when they are compared.
+        if (at.share > 0.0)
+          at = Instant(time_s - sensors[j].chain().delay_s(), period_s, courses[j].ends.size());
+        else
+          at.tick -= std::min(at.tick, static_cast<std::size_t>(sensors[j].late()));
+      }
+      rows.push_back({i, j, at});
+    }
+  }
+  const bool between = std::ranges::any_of(rows, [](const Row& row) { return row.at.share > 0.0; });
   std::vector<double> errors(count);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const auto k = static_cast<std::size_t>(step);
     if (Status failed = simulation.Tick()) return failed;
-    // A delayed sample would have been corrected by what it is compared with: the delay is counted when they are compared.
-    for (std::size_t j = 0; j < count; ++j)
-      predicted[j][k] = free_run() ? simulation.OutputSample(lines[j])
-                                   : simulation.frame().signals[static_cast<std::size_t>(sensors[j].chain().end())];
+    const auto now = [&](std::size_t j) {
+      return free_run() ? simulation.OutputSample(lines[j])
+                        : simulation.frame().signals[static_cast<std::size_t>(sensors[j].chain().end())];
+    };
+    for (std::size_t j = 0; j < count; ++j) {
+      courses[j].ends[k] = courses[j].begins[k] = now(j);
+      courses[j].seen[k] = free_run() ? courses[j].ends[k] : sensors[j].SeenIn(simulation.frame());
+    }
     if (step == rig.steps) break;
     for (; lead != leads_.end() && !(static_cast<double>(step) * period_s < lead->until_s); ++lead)
       correct_by(std::next(lead) != leads_.end() ? std::next(lead)->observer : observer_);
     if (corrections) {
       for (std::size_t j = 0; j < count; ++j) errors[j] = sensors[j].At(simulation.frame(), k);
       simulation.Correct(corrections->For(simulation.frame().modes), errors);
+      if (between) {
+        simulation.Evaluate();
+        for (std::size_t j = 0; j < count; ++j) courses[j].begins[k] = now(j);
+      }
     }
     if (Status failed = simulation.Integrate()) return failed;
   }
-  for (const Channel& channel : data_->channels()) {
-    if (channel.record != r) continue;
-    const auto j = static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
-    const double late_s = free_run() ? 0.0 : sensors[j].chain().delay_s();
-    for (Index i = channel.begin; i < channel.begin + channel.count; ++i)
-      innovations[i] =
-          data_->measured()[i] - At(predicted[j], data_->time_s()[static_cast<std::size_t>(i)] - late_s, period_s);
-  }
+  for (const Row& row : rows) innovations[row.index] = data_->measured()[row.index] - row.value(courses[row.output]);
   return {};
 }
 

@@ -93,12 +93,21 @@ class RealtimeSolver : public Solver {
   /// In the solver's own coordinates, so that a correction costs two additions a state and error.
   class ModalCorrection : public Correction {
    public:
-    ModalCorrection(RealtimeSolver& solver, const std::vector<std::vector<double>>& gains) : solver_(solver) {
-      for (const std::vector<double>& change : gains) {
+    ModalCorrection(RealtimeSolver& solver, const std::vector<std::vector<double>>& gains,
+                    const std::vector<int>& taken)
+        : solver_(solver) {
+      const std::vector<double> none(static_cast<std::size_t>(solver.form_.inputs()), 0.0);
+      for (std::size_t j = 0; j < gains.size(); ++j) {
+        const std::vector<double>& change = gains[j];
         Eigen::VectorXd x, p;
         solver.group_.FromStates(change, x, p);
         mechanics::AlignedVector& modal = modal_.emplace_back(static_cast<std::size_t>(solver.form_.state_size()), 0.0);
         solver.form_.SetState(x, p, modal);
+        const std::size_t passed =
+            taken.empty() || taken[j] < 0 ? solver.steps_.size() : static_cast<std::size_t>(taken[j]);
+        for (std::size_t i = passed; i < solver.steps_.size(); ++i) {
+          for (int k = 0; k < solver.steps_[i].substeps; ++k) solver.steps_[i].propagator.Advance(modal, none);
+        }
         std::vector<Own>& own = own_.emplace_back();
         for (const int index : solver.roles_.nonlinear)
           AddOwn(solver.rig_.blocks[index].first_state, solver.rig_.blocks[index].states(), change, own);
@@ -133,8 +142,9 @@ class RealtimeSolver : public Solver {
     std::vector<std::vector<Own>> own_;
   };
 
-  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) override {
-    return std::make_unique<ModalCorrection>(*this, gains);
+  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains,
+                                             const std::vector<int>& taken) override {
+    return std::make_unique<ModalCorrection>(*this, gains, taken);
   }
 
   bool linear() const override { return exact_; }

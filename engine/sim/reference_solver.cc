@@ -116,7 +116,8 @@ class ReferenceSolver : public Solver {
     std::vector<std::vector<double>> gains_;
   };
 
-  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) override {
+  std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains,
+                                             const std::vector<int>&) override {
     return std::make_unique<StateCorrection>(gains);
   }
 

@@ -46,6 +46,8 @@ class Simulation {
   Status Tick();
   /// Between 4 and 5: the states by what the samples miss.
   void Correct(Correction& correction, std::span<const double> errors) { correction.Apply(frame_, errors); }
+  /// The signals by the states and commands that the next period begins with.
+  void Evaluate() { solver_.Evaluate(frame_, rig_.SecondsOf(frame_.time)); }
   /// Step 5.
   Status Integrate();
 

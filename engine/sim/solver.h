@@ -40,8 +40,11 @@ class Solver {
   /// stay. For who estimates the state of a machine from its measured outputs.
   virtual std::vector<double> States(const Frame& frame) const = 0;
   virtual void Shift(Frame& frame, const std::vector<double>& change) = 0;
-  /// `gains`: by error, the change of each state of Rig::state_ports. The solver outlives the correction.
-  virtual std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains) = 0;
+  /// `gains`: by error, the change of each state of Rig::state_ports. `taken`: by error, where in the period before it was taken,
+  /// an index of Rig::intervals; empty, or -1: now. What the states have made of a change since then, linear, is what is added;
+  /// `reference` adds the change itself. The solver outlives the correction.
+  virtual std::unique_ptr<Correction> MakeCorrection(const std::vector<std::vector<double>>& gains,
+                                                     const std::vector<int>& taken = {}) = 0;
   /// Whether the states move linearly: nothing is in the rig that this solver does not carry exactly.
   virtual bool linear() const = 0;
   /// Writes every continuous signal at the present states, for the instant `time_s`.

@@ -107,6 +107,24 @@ TEST(Estimator, EndsWhereItsPointsAreSpent) {
   EXPECT_LT(few[0].scales[0].rms, 1.5 * all[0].scales[0].rms) << "where it has come to, not where it began";
 }
 
+TEST(Estimator, BesideANumberOnItsBoundTheOthersFindTheirMinimum) {
+  // An inertia by half too large, which its prior does not allow: stiffnesses make up for it, and a step that is cut off at the
+  // bound leads uphill.
+  const Plan plan = FourMasses(0.6);
+  const Plan made = WithEffect(plan, "inertia_change", "inertia:I4", {0.5});
+  const DataSet data({RecordOf(made, 0.005, {"T_shaft", "omega_1"})}, plan, {.most_rows = 4000});
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Predictor strong(data, *model, testing::BuiltIns(), 0.025, std::make_shared<mechanics::Decompositions>());
+  const Hypothesis null = Hypothesis(plan).WithNominalValuesFree(testing::BuiltIns());
+  const Estimate fit = estimation::Fit(null, strong, null.start(), {.renewals = 6, .near = true});
+  ASSERT_TRUE(fit.ok()) << fit.broken;
+  EXPECT_EQ(fit.termination, "settled");
+  const Eigen::VectorXd lower = null.lower(), upper = null.upper();
+  EXPECT_TRUE(((fit.q - lower).array() == 0.0).any() || ((upper - fit.q).array() == 0.0).any())
+      << "nothing is on a bound";
+}
+
 TEST(Estimator, FarFromTheNoiseSharesAreEnough) {
   // A stiffness that is no inertia's fault: what is left is far above the noise, and a hundredth of it is left alone.
   Hidden hidden(FourMasses(0.6), "stiffness_change", "shaft:k2", -0.25, 100);

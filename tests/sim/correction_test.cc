@@ -62,6 +62,32 @@ INSTANTIATE_TEST_SUITE_P(Correction, EachSolver,
                                            std::pair("reference", "linear"), std::pair("reference", "friction")),
                          [](const auto& one) { return one.param.first + "_" + one.param.second; });
 
+TEST(Correction, OfAnErrorThatWasTakenEarlierIsWhatTheStatesHaveMadeOfIt) {
+  // A sensor that is late by 2.6 periods looks at the run between two ticks, where a cut is.
+  Plan plan = With("linear");
+  plan.root["output"].table().front().value["sensor"] =
+      Value(Value::Array{Value{{"type", "delay"}, {"delay_s", 2.6 * plan.root.NumberOr("run.period_s", 1e-4)}}});
+  const std::unique_ptr<Rig> rig = testing::RigOf(plan);
+  ASSERT_EQ(rig->intervals.size(), 2U);
+  const auto solver = MakeSolver("realtime", *rig);
+  ASSERT_TRUE(solver.ok());
+  std::vector<double> gain(rig->state_ports.size());
+  for (std::size_t i = 0; i < gain.size(); ++i)
+    gain[i] = 1e-3 * std::sin(1.0 + static_cast<double>(i)) * rig->state_ports[i].nominal;
+  Simulation simulation(*rig, **solver);
+  ASSERT_FALSE(simulation.Start());
+  ASSERT_FALSE(simulation.Tick());
+  Frame then = simulation.frame(), later = simulation.frame();
+  ASSERT_FALSE((*solver)->Advance(then, 0));
+  (*solver)->Shift(then, gain);
+  ASSERT_FALSE((*solver)->Advance(then, 1));
+  for (const int index : {0, 1}) ASSERT_FALSE((*solver)->Advance(later, index));
+  (*solver)->MakeCorrection({gain}, {1})->Apply(later, std::vector<double>{1.0});
+  const std::vector<double> one = (*solver)->States(then), other = (*solver)->States(later);
+  for (std::size_t i = 0; i < gain.size(); ++i)
+    EXPECT_NEAR(one[i], other[i], 1e-10 * rig->state_ports[i].nominal) << rig->state_ports[i].name;
+}
+
 TEST(Correction, OnlyALinearRigIsCarriedExactly) {
   const std::unique_ptr<Rig> plain = testing::RigOf(With("linear")), rubs = testing::RigOf(With("friction"));
   EXPECT_TRUE((*MakeSolver("realtime", *plain))->linear());
