@@ -7,14 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "score/jumps.h"
 #include "score/sliding.h"
 
 namespace dynoproof::score {
 namespace {
-
-struct Bounds {
-  std::vector<double> low, high;  // extremes of the reference within +-w of each query
-};
 
 // A held signal jumps: the value just left of a jump lives until the jump. Its tube must be known there, too.
 std::vector<double> LeftLimits(const Series& series, std::span<const double> times_s) {
@@ -33,24 +30,22 @@ std::vector<double> Shifted(std::span<const double> times_s, double by) {
   return out;
 }
 
-Bounds ReferenceRange(const Series& reference, std::span<const double> queries, double w) {
-  const std::vector<double> left = Shifted(queries, -w);
-  const std::vector<double> right = Shifted(queries, w);
-  const std::vector<double> at_left = SampleAt(reference, left);
-  const std::vector<double> at_right = SampleAt(reference, right);
-  Bounds bounds;
-  bounds.low.resize(queries.size());
-  bounds.high.resize(queries.size());
+// Extremes of the reference within +-w of each point.
+void ReferenceRange(const Series& reference, double w, TubePoints& points) {
+  const std::vector<double> left = Shifted(points.time_s, -w), right = Shifted(points.time_s, w);
+  const std::vector<double> at_left = SampleAt(reference, left), at_right = SampleAt(reference, right);
+  const std::size_t n = points.time_s.size();
+  points.low.resize(n);
+  points.high.resize(n);
   SlidingExtremes inside(reference.time_s, reference.values);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    bounds.low[i] = std::min(at_left[i], at_right[i]);
-    bounds.high[i] = std::max(at_left[i], at_right[i]);
+  for (std::size_t i = 0; i < n; ++i) {
+    points.low[i] = std::min(at_left[i], at_right[i]);
+    points.high[i] = std::max(at_left[i], at_right[i]);
     inside.MoveTo(left[i], right[i]);
     if (inside.Empty()) continue;
-    bounds.low[i] = std::min(bounds.low[i], inside.Min());
-    bounds.high[i] = std::max(bounds.high[i], inside.Max());
+    points.low[i] = std::min(points.low[i], inside.Min());
+    points.high[i] = std::max(points.high[i], inside.Max());
   }
-  return bounds;
 }
 
 std::string OptionFault(const TubeOptions& o) {
@@ -96,37 +91,6 @@ std::vector<double> OpenBetween(const Series& series, std::span<const double> ti
   return open;
 }
 
-// Where one signal has several rows at one instant and the other does not, nobody says which of them the other one means:
-// the bounds there take in the reference's rows or, for rows of the test, the reference's samples on either side.
-void TakeInJumps(const Series& reference, const Series& test, std::span<const double> times, Bounds& bounds) {
-  const auto each = [&](const Series& jumps, const Series& other, bool of_reference) {
-    const std::vector<double>::size_type n = jumps.time_s.size();
-    for (std::size_t first = 0, last = 0; first + 1 < n; first = last + 1) {
-      last = first;
-      while (last + 1 < n && IsJump(jumps.time_s, last)) ++last;
-      if (last == first) continue;
-      const double from = jumps.time_s[first], to = jumps.time_s[last];
-      const auto begin = std::lower_bound(other.time_s.begin(), other.time_s.end(), from);
-      const auto end = std::upper_bound(begin, other.time_s.end(), to);
-      if (end - begin > 1) continue;
-      std::span<const double> values = jumps.values.subspan(first, last - first + 1);
-      if (!of_reference) {
-        const auto a = static_cast<std::size_t>(begin - other.time_s.begin()) - (begin == other.time_s.begin() ? 0 : 1);
-        const auto b = static_cast<std::size_t>(end - other.time_s.begin()) - (end == other.time_s.end() ? 1 : 0);
-        values = other.values.subspan(a, b - a + 1);
-      }
-      const auto [low, high] = std::minmax_element(values.begin(), values.end());
-      for (auto t = std::lower_bound(times.begin(), times.end(), from); t != times.end() && *t <= to; ++t) {
-        const auto i = static_cast<std::size_t>(t - times.begin());
-        bounds.low[i] = std::min(bounds.low[i], *low);
-        bounds.high[i] = std::max(bounds.high[i], *high);
-      }
-    }
-  };
-  each(reference, test, true);
-  each(test, reference, false);
-}
-
 // The samples from `from` to `to`.
 Series Part(const Series& series, double from, double to) {
   const auto first = std::lower_bound(series.time_s.begin(), series.time_s.end(), from);
@@ -164,22 +128,23 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
   }
 
   const double h = options.relative_width * options.nominal;
-  const std::vector<double> times = UnionTimes(reference, test, options);
-  const std::vector<double> values = SampleAt(test, times);
-  Bounds bounds = ReferenceRange(reference, times, options.time_half_width_s);
-  TakeInJumps(reference, test, times, bounds);
+  TubePoints points{UnionTimes(reference, test, options), {}, {}, {}};
+  const std::vector<double>& times = points.time_s;
+  points.test = SampleAt(test, times);
+  ReferenceRange(reference, options.time_half_width_s, points);
   if (options.interpolation_room > 0.0) {
     const std::vector<double> of_reference = OpenBetween(reference, times), of_test = OpenBetween(test, times);
     for (std::size_t i = 0; i < times.size(); ++i) {
       const double room = options.interpolation_room * (of_reference[i] + of_test[i]);
-      bounds.low[i] -= room;
-      bounds.high[i] += room;
+      points.low[i] -= room;
+      points.high[i] += room;
     }
   }
+  JudgeJumps(reference, test, options.interpolation_room, options.time_half_width_s > 0.0, points);
   // Just before each instant the held test still has its old value; the reference may have jumped with it. With room
   // for interpolation the instant of a jump is known to a step only.
   const bool held = test.interpolation == Interpolation::kHold && options.interpolation_room == 0.0;
-  const std::vector<double> old_values = held ? LeftLimits(test, times) : values;
+  const std::vector<double> old_values = held ? LeftLimits(test, times) : points.test;
   const bool reference_held = reference.interpolation == Interpolation::kHold;
   const std::vector<double> old_reference = held && reference_held
                                                 ? LeftLimits(reference, Shifted(times, -options.time_half_width_s))
@@ -193,11 +158,11 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
   double outside_s = 0.0;
   bool was_outside = false;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    double value = values[i];
-    double low = bounds.low[i];
-    double high = bounds.high[i];
+    double value = points.test[i];
+    double low = points.low[i];
+    double high = points.high[i];
     double ratio = std::max({0.0, (value - high) / h, (low - value) / h});
-    if (held && i > 0) {
+    if (held && i > 0 && !IsJump(times, i - 1)) {
       const double low_before = old_reference.empty() ? low : std::min(low, old_reference[i]);
       const double high_before = old_reference.empty() ? high : std::max(high, old_reference[i]);
       const double before = std::max({0.0, (old_values[i] - high_before) / h, (low_before - old_values[i]) / h});
@@ -222,7 +187,7 @@ TubeResult CompareTube(const Series& reference, const Series& test, const TubeOp
     was_outside = outside;
   }
   result.fraction_outside = outside_s / (result.to_s - result.from_s);
-  result.time_s = times;
+  result.time_s = std::move(points.time_s);
 
   if (result.first) {
     result.reason = fmt::format(

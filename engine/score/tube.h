@@ -3,8 +3,8 @@
 //   upper(t) = max { reference(s) : |s - t| <= w } + h,   lower(t) = min { ... } - h
 //
 // with the half-width w in time and h in value. The test is held against it at every sample of either signal, so
-// neither a coarse test nor a coarse reference hides an excursion. Sliding extremes with monotonic queues: O(n) for any
-// w.
+// neither a coarse test nor a coarse reference hides an excursion; where either has several rows at one instant, on both
+// sides of the jump (jumps.h). Sliding extremes with monotonic queues: O(n) for any w.
 #pragma once
 
 #include <limits>

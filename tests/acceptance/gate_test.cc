@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "tests/acceptance/spoil.h"
 #include "tests/support/program.h"
 #include "trace/trace_io.h"
 
@@ -157,6 +158,48 @@ TEST_F(OtherRasters, RowsAtOneInstantAreAJump) {
   const Outcome back = Compare("back.csv", "back.csv");
   EXPECT_EQ(back.exit, 2);
   EXPECT_THAT(back.err, HasSubstr("the time falls at row 2"));
+}
+
+/// The same of HDF5 traces, whose stamps are the same twice: linear and held, in the middle and at both ends.
+TEST_F(OtherRasters, RowsAtOneInstantOfAnHdf5TraceAreAJump) {
+  const auto write = [&](const char* name, trace::Interpolation interpolation, double event,
+                         const std::vector<double>& rows) {
+    trace::Trace trace;
+    trace::Signal signal{"T", "N m"};
+    signal.interpolation = interpolation;
+    std::vector<double> stamps;
+    for (int i = 0; i <= 10; ++i) {
+      const double t = i / 10.0;
+      const std::vector<double> here = t == event ? rows : std::vector<double>{t < event ? 0.0 : 1.0};
+      for (const double value : here) {
+        stamps.push_back(t);
+        signal.values.push_back(value);
+        trace.time.push_back(static_cast<double>(trace.time.size()));
+      }
+    }
+    trace.signals.push_back(std::move(signal));
+    ASSERT_FALSE(trace::WriteTrace(bench_ / name, trace));
+    Spoil(bench_ / name, [&](hid_t file) { Overwrite(file, "/time", stamps); });
+  };
+  const auto exit = [&](const char* a, const char* b) { return Compare(a, b).exit; };
+  for (const auto interpolation : {trace::Interpolation::kLinear, trace::Interpolation::kHold}) {
+    for (const double event : {0.0, 0.5, 1.0}) {
+      SCOPED_TRACE(event);
+      write("events.h5", interpolation, event, {0, 1});
+      write("three.h5", interpolation, event, {0, 1, 1});
+      write("wrong_before.h5", interpolation, event, {5, 1});
+      write("wrong_after.h5", interpolation, event, {0, 5});
+      const Outcome same = Compare("events.h5", "events.h5");
+      EXPECT_EQ(same.exit, 0) << same.Both();
+      EXPECT_THAT(same.out, HasSubstr("events.h5: 1 instant of several rows, each taken as a jump"));
+      EXPECT_EQ(exit("events.h5", "three.h5"), 0);
+      EXPECT_EQ(exit("three.h5", "events.h5"), 0);
+      for (const char* wrong : {"wrong_before.h5", "wrong_after.h5"}) {
+        EXPECT_EQ(exit("events.h5", wrong), 1) << wrong;
+        EXPECT_EQ(exit(wrong, "events.h5"), 1) << wrong;
+      }
+    }
+  }
 }
 
 TEST_F(OtherRasters, AToleranceOfNoSignalIsAFaultOfItsFile) {
