@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "model/registry.h"
 #include "sim/simulate.h"
@@ -39,6 +41,34 @@ inline Samples RunRig(const Rig& rig, const std::string& solver) {
 inline Samples RunPlan(const Plan& plan, const std::string& solver) {
   const std::unique_ptr<Rig> rig = RigOf(plan);
   return rig == nullptr ? Samples{} : RunRig(*rig, solver);
+}
+
+/// A run with what its outputs do not tell: the states of the rig at each tick, by name.
+struct StateCourses {
+  std::map<std::string, std::vector<double>> states;
+  std::vector<std::vector<double>> outputs;
+};
+inline StateCourses RunWithStates(const Plan& plan, const std::string& name) {
+  StateCourses courses;
+  const std::unique_ptr<Rig> rig = RigOf(plan);
+  if (rig == nullptr) return courses;
+  Result<std::unique_ptr<Solver>> solver = MakeSolver(name, *rig);
+  if (!solver.ok()) {
+    ADD_FAILURE() << solver.failure().ToString();
+    return courses;
+  }
+  Simulation run(*rig, **solver);
+  courses.outputs.resize(rig->outputs.size());
+  Status failed = run.Start();
+  for (std::int64_t step = 0; !failed && step <= rig->steps; ++step) {
+    failed = run.Tick();
+    for (std::size_t i = 0; i < courses.outputs.size(); ++i) courses.outputs[i].push_back(run.OutputSample(i));
+    const std::vector<double> states = (*solver)->States(run.frame());
+    for (std::size_t i = 0; i < states.size(); ++i) courses.states[rig->state_ports[i].name].push_back(states[i]);
+    if (!failed && step < rig->steps) failed = run.Integrate();
+  }
+  if (failed) ADD_FAILURE() << failed->ToString();
+  return courses;
 }
 
 /// RMS of the difference over the standard deviation of the reference.
