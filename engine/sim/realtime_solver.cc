@@ -450,10 +450,14 @@ class RealtimeSolver : public Solver {
 
   /// Friction over a substep. Who slips on in the same direction has the torques of both ends. Else the motion stops
   /// within the substep, and from there on a torque holds it, or what slips the other way. What rests is held by the
-  /// straight torque that leaves neither speed nor travel at the end, until that breaks away. All of second order.
-  Line StickOrSlip(std::size_t e, double time_s, double h, const Reach& rate, const Reach& twist, Frame& frame) {
-    const double end_s = time_s + h, begin = Rate(y0_, e);
-    rests_[e].from = 1.0;
+  /// straight torque that leaves neither speed nor travel at the end, until that breaks away; where another friction stops
+  /// within the substep its torque jumps, and what cannot hold against that breaks away there. All of second order.
+  Line StickOrSlip(std::size_t e, double time_s, const Step& step, Frame& frame) {
+    const Propagator& propagator = step.propagator;
+    const std::size_t row = group_.writes.size() + 2 * e, column = group_.reads.size() + e;
+    const Reach rate = ReachOf(propagator, row + 1, column), twist = ReachOf(propagator, row, column);
+    const double h = step.length_s, end_s = time_s + h, begin = Rate(y0_, e);
+    rests_[e] = {};
     const auto slip = [&](double at_s, const std::vector<double>& y, double speed, double drive, int sign) {
       double sum = 0.0;
       for (std::size_t f = e; f < leaders_.size(); ++f) {
@@ -463,7 +467,8 @@ class RealtimeSolver : public Solver {
       return sum;
     };
     double stop = 0.0, moving = 0.0;  // the share of the substep until the motion stops, the torque until then
-    if (begin != 0.0) {
+    // A speed that round-off has left, beside what the substep makes of it, is rest.
+    if (std::abs(begin) > substep::kLeastShare * std::abs(Rate(y_, e))) {
       const int sign = begin > 0.0 ? 1 : -1;
       moving = slip(time_s, y0_, begin, 0.0, sign);
       if (SameSign(begin, Rate(y_, e))) {
@@ -471,19 +476,35 @@ class RealtimeSolver : public Solver {
         if (SameSign(rate.At(moving, end - moving), begin)) return LineOf(moving, end);
       }
       stop = StopOf(begin, rate.At(moving, 0.0), (twist.At(moving, 0.0) - Twist(y0_, e)) / h);
+      rests_[e].jump = stop;
+      rests_[e].before = moving;
     }
     if (stop == 1.0) return LineOf(moving, moving);
     if (stop == 0.0) {
       const double travel = Twist(y0_, e) - twist.without, scale = rate.held * twist.ramp - rate.ramp * twist.held;
       const double hold = (-rate.without * twist.ramp - rate.ramp * travel) / scale;
       const double change = (rate.held * travel + rate.without * twist.held) / scale, last = hold + change;
-      if (std::abs(hold) <= std::abs(slip(time_s, y0_, 0.0, hold, hold > 0.0 ? 1 : -1))) {
-        const int sign = last > 0.0 ? 1 : -1;
-        const double limit = slip(end_s, y_, 0.0, last, sign);
-        if (std::abs(last) <= std::abs(limit)) {
-          rests_[e].from = 0.0;
-          return LineOf(hold, last);
-        }
+      const bool begins = std::abs(hold) <= std::abs(slip(time_s, y0_, 0.0, hold, hold > 0.0 ? 1 : -1));
+      const int sign = last > 0.0 ? 1 : -1;
+      const double limit = slip(end_s, y_, 0.0, last, sign);
+      if (begins && std::abs(last) <= std::abs(limit)) {
+        rests_[e].from = 0.0;
+        return LineOf(hold, last);
+      }
+      // Where another friction that stops within the substep is why it breaks away: it holds until there.
+      for (std::size_t f = 0; f < rests_.size() && stop == 0.0; ++f) {
+        const Rest& its = rests_[f];
+        if (f == e || its.jump <= 0.0 || its.jump >= 1.0) continue;
+        const std::size_t other = group_.reads.size() + f;
+        const Reach felt = ReachOf(propagator, row + 1, other);
+        if (felt.held == 0.0) continue;
+        const double as_before = rate.without + felt.held * (its.before - held_[other]) - felt.ramp * ramp_[other];
+        const double needed = -as_before / rate.held;
+        if (std::abs(needed) > std::abs(slip(time_s, y0_, 0.0, needed, needed > 0.0 ? 1 : -1))) continue;
+        moving = needed;
+        stop = its.jump;
+      }
+      if (stop == 0.0 && begins) {
         const double leave = std::clamp((limit - hold) / change, 0.0, 1.0);
         const Course still = Course::Straight(hold, limit);
         const Line line = LineOf(still, Course::Flat(limit), leave);
@@ -537,6 +558,7 @@ class RealtimeSolver : public Solver {
       Law_(e).Guards(Between(e, time_s, step.length_s, 0.0, OwnStates(frame, e), OwnModes(frame, e)),
                      {&begin_guards_[e], 1});
     }
+    std::fill(rests_.begin(), rests_.end(), Rest{});
     for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
       if (!roles_.nonlinear.empty() && !ahead_ &&
           (rig_.run.realtime.part_corrections == 0 || sweep < rig_.run.realtime.part_corrections)) {
@@ -620,9 +642,7 @@ class RealtimeSolver : public Solver {
         ends_[e] = 0.0;
         return;
       }
-      const std::size_t row = group_.writes.size() + 2 * e;
-      torque = Law_(e).sticks() ? StickOrSlip(e, time_s, h, ReachOf(step.propagator, row + 1, column),
-                                              ReachOf(step.propagator, row, column), frame)
+      torque = Law_(e).sticks() ? StickOrSlip(e, time_s, step, frame)
                                 : LineOf(v0_[column], BeyondLinear(e, time_s + h, y_, own));
     }
     held_[column] = torque.held;
@@ -794,6 +814,8 @@ class RealtimeSolver : public Solver {
   // of those that do.
   struct Rest {
     double from = 1.0;
+    double jump = 0.0;    // the share at which it stops and its torque jumps; 0, 1: not within
+    double before = 0.0;  // its torque until then
   };
   struct Unknown {
     std::size_t channel, row;  // what its torque is to bring to rest: a rate or a twist among y
