@@ -50,6 +50,8 @@ done
 step reproduce ./build/dynoproof reproduce all --json out/nightly/claims.json --html out/nightly/atlas.html
 step peers ./bench/peers.py build
 step budgets ./ci/check_budgets.py --time --json out/nightly/budgets.json
+step waiting ./ci/waiting.py --json out/nightly/waiting.json
+cat out/nightly/waiting.log
 step bench ./build/dynoproof bench --json out/nightly/bench.json
 # Campaigns begin anew every night: rows of another build are refused.
 rm -rf out/nightly/campaigns
