@@ -33,7 +33,7 @@ struct Answer {
 bool Adds(const Answer& before, const Answer& next) {
   if (next.settled.causes.empty()) return false;
   if (next.settled.exact) return true;
-  if (next.settled.verdict != Verdict::kMainCause) return false;
+  if (next.settled.verdict != Verdict::kMainCause || !(next.settled.explains >= policy::kMainCause)) return false;
   const Contestant& second = next.contest.contestants[next.settled.causes.front()];
   const auto stood = [&](std::size_t i) {
     return before.contest.contestants[i].hypothesis.effects().back() == second.hypothesis.effects().back();
@@ -178,8 +178,11 @@ class Pipeline {
         const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
         if (best != nullptr && LeavesNoise(problem_, *best, levels_)) CountAsNoise(*best, contest->contestants);
       }
-      passes_.push_back(HeldOutOf(*contest, *parts_.held_out, given_, !holdout_.empty()));
-      settled = Settle(*contest, levels_, passes_.back(), LeastOf(passes_, levels_.size()));
+      std::vector<HeldOut> held = HeldOutOf(*contest, *parts_.held_out, given_, !holdout_.empty());
+      const bool first = contest->null().hypothesis.effects().empty();
+      if (first) passes_.push_back(held);
+      settled =
+          Settle(*contest, levels_, held, first ? LeastOf(passes_, levels_.size()) : LeastOf({held}, levels_.size()));
     } else {
       result_.search_complete = false;
       settled.level = contest->first;
@@ -293,8 +296,9 @@ class Pipeline {
   const DiagnoseOptions& options_;
   Magnitudes magnitudes_;
   SavedPoints saved_;
-  HeldOut given_;                             // what the plan as given leaves on data that took no part
-  std::vector<std::vector<HeldOut>> passes_;  // by contest
+  HeldOut given_;  // what the plan as given leaves on data that took no part
+  std::vector<std::vector<HeldOut>>
+      passes_;  // by contest for a first cause, of which one alone is near the best or far from it
   std::optional<Contestant> released_;
   int asked_ = 0;
   std::clock_t begun_at_ = std::clock();
@@ -314,7 +318,8 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   const Plan begun = started.ok() ? *started : plan;
   Result<Parts> parts = Split(begun, data, holdout, registry);
   if (!parts.ok()) return parts.failure();
-  return Pipeline(problem, begun, *std::move(parts), data, holdout, options).Run();
+  const Plan searched = InFewerSubsteps(begun, *parts->training, registry);
+  return Pipeline(problem, searched, *std::move(parts), data, holdout, options).Run();
 }
 
 }  // namespace dynoproof::diagnosis

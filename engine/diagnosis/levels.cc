@@ -36,6 +36,8 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     levels->memories_s_ = like->memories_s_;
     levels->corrected_ = like->corrected_;
     levels->longest_ = like->longest_;
+  } else if (model->part.basis.cols() == 0) {
+    // Nothing is there that a record could correct: all levels are the free run.
   } else if (window_s) {
     levels->memories_s_ = {*window_s / policy::kLonger, *window_s};
     levels->corrected_ = levels->longest_ = 1;
@@ -53,7 +55,7 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   // the shortest memory finds its start, the next one averages what noise has made of that, for it stays in a free run.
   auto& all = levels->predictors_;
   std::vector<std::optional<double>> memories(levels->memories_s_.begin(), levels->memories_s_.end());
-  if (!window_s) memories.push_back(std::nullopt);
+  if (!window_s || memories.empty()) memories.push_back(std::nullopt);
   for (const std::optional<double>& memory : memories) {
     const bool led = !all.empty() && (in_motion || (!memory && from_s > 0.0));
     if (led && in_motion && all.size() == 1 && memory)

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "diagnosis/policy.h"
+#include "estimation/built_run.h"
 #include "experiment/drive_by_record.h"
 #include "identification/estimation_problem.h"
 
@@ -84,6 +85,25 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from_s, kRows, training->get());
   if (!held.ok()) return held.failure();
   return Parts{*std::move(training), *std::move(held)};
+}
+
+Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& registry) {
+  const Result<estimation::BuiltRun> run =
+      estimation::BuildRun(StartingInto(plan, 0), levels.data().records().front(), registry);
+  if (!run.ok() || run->solver->linear()) return plan;
+  const estimation::Predictor& free = levels[levels.free_run()];
+  const Result<Eigen::VectorXd> own = free.Innovations(plan);
+  for (int substeps = 1; own.ok() && substeps < SubstepsOf(plan); substeps *= 2) {
+    Plan fewer = plan;
+    SetSubsteps(fewer, substeps);
+    const Result<Eigen::VectorXd> rows = free.Innovations(fewer);
+    const bool same = rows.ok() && std::ranges::all_of(levels.data().channels(), [&](const estimation::Channel& one) {
+                        const auto apart = rows->segment(one.begin, one.count) - own->segment(one.begin, one.count);
+                        return apart.norm() <= policy::kUnseen * one.noise;
+                      });
+    if (same) return fewer;
+  }
+  return plan;
 }
 
 HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {

@@ -48,8 +48,13 @@ inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;
 inline constexpr double kMost = 0.5, kLittle = 0.05;
 /// Steps of a run that a search simulates: 1.2 s at 10 kHz are some 500 periods of a line's first mode.
 inline constexpr double kSearchedSteps = 12'000.0;
+/// Distance of two predictions of a channel, over all of its rows, which no test sees [standard deviations of the noise].
+inline constexpr double kUnseen = 0.1;
 /// RMS over the noise up to which a second cause is looked for under the priors: a pair may leave nothing but noise there.
 inline constexpr double kNearEnough = 30.0;
+/// Squares of deviations from priors that one of two models needs more than the other, though they predict alike, to be implausible beside
+/// it [standard deviations squared]: four deviations of one number, odds of 1 to 3000.
+inline constexpr double kImplausible = 16.0;
 /// Least share of the null's excess that a cause removes, on training data.
 inline constexpr double kShare = 0.2;
 /// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.

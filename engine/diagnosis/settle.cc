@@ -39,6 +39,15 @@ bool NamesSomething(const Contestant& one, std::size_t level) {
   return acts;
 }
 
+/// How far nominal values are off: the sum of squares of their deviations, in standard deviations of their priors.
+double OffNominal(const Contestant& one, std::size_t level) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < one.hypothesis.parameters().size(); ++i) {
+    if (one.hypothesis.parameters()[i].prior) sum += std::pow(one.levels[level].q[static_cast<Eigen::Index>(i)], 2);
+  }
+  return sum;
+}
+
 /// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.
 template <class Beats>
 void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, const Beats& beats) {
@@ -83,6 +92,7 @@ JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights
                      ""};
   const Estimate& fit = contest.contestants[i].levels[level];
   entry.numbers.emplace_back("excess", std::exp(0.5 * LogExcess(fit.scales, levels.data())));
+  entry.numbers.emplace_back("nominal_values_off", OffNominal(contest.contestants[i], level));
   entry.numbers.emplace_back("renewals", fit.renewals);
   entry.numbers.emplace_back("simulations", static_cast<double>(fit.simulations));
   if (const std::optional<Weight>& weight = weights.Of(i, 0)) {
@@ -137,6 +147,16 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     const auto by_share = [&](std::size_t a, std::size_t b) {
       return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);
     };
+    // What the data do not separate the priors may: of two that predict alike, one that needs nominal values far from their sheet.
+    std::vector<std::size_t> implausible;
+    for (const std::size_t i : standing) {
+      if (std::ranges::any_of(standing, [&](std::size_t k) {
+            return OffNominal(all[i], *level) - OffNominal(all[k], *level) >= policy::kImplausible &&
+                   !weights.Beats(i, k);
+          }))
+        implausible.push_back(i);
+    }
+    std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });
     KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
     std::ranges::stable_sort(standing, by_share);
     std::ranges::stable_sort(only_here, by_share);

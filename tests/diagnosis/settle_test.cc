@@ -29,6 +29,7 @@ struct Left {
   double own = 0.0;
   double held_out = 0.0;  // excess on data that took no part, over that of the given plan
   bool on_bound = false;
+  double off = 0.0;  // standard deviations of a nominal value from its prior
 };
 
 class SettleTest : public ::testing::Test {
@@ -73,12 +74,13 @@ class SettleTest : public ::testing::Test {
       for (std::size_t level = 0; level < levels_->size(); ++level) {
         contestant.levels.push_back(EstimateOf(contestant.hypothesis, left.share, left.own, stream));
         if (left.on_bound) contestant.levels.back().q[0] = contestant.hypothesis.upper()[0];
+        contestant.levels.back().q[contestant.levels.back().q.size() - 1] = left.off;
         least[level] = std::min(least[level], std::log(std::max(left.held_out, 1e-9)));
       }
       held_out.emplace_back(levels_->size(), std::log(std::max(left.held_out, 1e-9)));
       contest.contestants.push_back(std::move(contestant));
     };
-    const estimation::Hypothesis base(plan_);
+    const estimation::Hypothesis base = estimation::Hypothesis(plan_).WithNominalValuesFree(testing::BuiltIns());
     add(base, {"", "", null, 0.0, 1.0}, 0);
     int stream = 1;
     for (const Left& one : candidates)
@@ -115,6 +117,16 @@ TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
   EXPECT_EQ(two.causes, (std::vector<std::size_t>{1, 3}));
   const Settled four = SettledOf({kTruth, alike, third, fourth});
   EXPECT_EQ(four.verdict, Verdict::kUnexplained) << four.reason;
+}
+
+TEST_F(SettleTest, OfTwoThatLeaveTheSameOneFarFromItsDataSheetIsImplausible) {
+  Left far{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.02};
+  far.off = 2.5;
+  EXPECT_EQ(SettledOf({kTruth, far}).verdict, Verdict::kAmbiguous) << "two and a half deviations happen";
+  far.off = 4.5;
+  const Settled settled = SettledOf({kTruth, far});
+  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
 }
 
 TEST_F(SettleTest, AnExactModelBesideASmallShareOfItsOwnIsNoCause) {

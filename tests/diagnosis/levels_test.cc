@@ -1,0 +1,66 @@
+// The ways in which models are run beside a data set, and how finely.
+#include "diagnosis/levels.h"
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/parts.h"
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using estimation::RecordOf;
+using estimation::Scenario;
+
+TEST(Levels, OfAPlantWithoutStatesAreTheFreeRunAlone) {
+  const auto input = [](const char* to, const char* unit, double phase_rad) {
+    return Value{{"to", to},
+                 {"unit", unit},
+                 {"nominal", 0.1},
+                 {"source", Value{{"type", "sine_sum"},
+                                  {"amplitudes", Value::Array{0.1}},
+                                  {"frequencies_Hz", Value::Array{1.0}},
+                                  {"phases_rad", Value::Array{phase_rad}}}}};
+  };
+  const Plan plan{"damper", "damper.toml",
+                  Value{{"run", Value{{"duration_s", 2.0}, {"period_s", 1e-3}}},
+                        {"plant", Value{{"type", "moved_body"},
+                                        {"body", "rod"},
+                                        {"damping_Ns_per_m", 1900.0},
+                                        {"stiffness_N_per_m", 1300.0},
+                                        {"nominal_force_N", 1000.0}}},
+                        {"input", Value{{"x", input("plant.x", "m", 0.0)}, {"v", input("plant.v", "m/s", 1.5)}}},
+                        {"output", Value{{"F", Value{{"of", "plant.force"}, {"unit", "N"}, {"nominal", 1000.0}}}}}}};
+  const auto levels = Levels::Of(plan, {RecordOf(plan, 0.01, {"F"})}, testing::BuiltIns(), 0.0, 1000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  EXPECT_EQ((*levels)->size(), 1u);
+  EXPECT_EQ((*levels)->Name(0), "free run");
+}
+
+/// Substeps in which a scenario is searched beside its own run.
+int SubstepsFor(const Plan& plan, const std::string& output) {
+  const auto levels = Levels::Of(plan, {RecordOf(plan, 0.01, {output})}, testing::BuiltIns(), 0.0, 1000);
+  if (!levels.ok()) {
+    ADD_FAILURE() << levels.failure().ToString();
+    return 0;
+  }
+  return SubstepsOf(InFewerSubsteps(plan, **levels, testing::BuiltIns()));
+}
+
+TEST(InFewerSubsteps, AreAsManyAsTheRecordSees) {
+  // Volumes of tenths of a second, in periods of 20 ms.
+  Plan air = Scenario("scenarios/diagnose/charge_air.toml", {"run.duration_s=20"});
+  SetSubsteps(air, 4);
+  EXPECT_EQ(SubstepsFor(air, "p_ch"), 1);
+  // Impacts are elsewhere with other steps.
+  Plan play = Scenario("scenarios/diagnose/backlash.toml", {"run.duration_s=0.3"});
+  SetSubsteps(play, 4);
+  EXPECT_EQ(SubstepsFor(play, "omega_1"), 4);
+  // A linear line is carried exactly; its substeps are for the friction that an effect may bring.
+  Plan line = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.2"});
+  SetSubsteps(line, 4);
+  EXPECT_EQ(SubstepsFor(line, "T_shaft"), 4);
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
