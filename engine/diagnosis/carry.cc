@@ -20,8 +20,9 @@ using estimation::Estimate;
 using estimation::Fit;
 using estimation::Hypothesis;
 
-/// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's values
-/// of this level, whichever leaves least. Where both are worse than the null itself, it begins there, with an effect that does next to nothing.
+/// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's
+/// values of this level, whichever leaves least. Where all are worse than the null itself, it begins there, with an effect that
+/// does next to nothing.
 VectorXd BestStart(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
                    VectorXd from) {
   if (!null.Holds(level)) return from;

@@ -21,8 +21,8 @@ inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are fitted at a first look, of the some hundred whose one or two runs beside the null promise most.
 inline constexpr std::size_t kLookedAtMost = 40;
-/// What one number removes by chance of a square of noise whose standard deviation is one [that variance]: of a hundred candidates
-/// less than one removes more than three standard deviations. And those that are fitted though all are below.
+/// What one number removes by chance of the squares of noise [its variance]: of a hundred candidates less than one removes more
+/// than three standard deviations. And those that are fitted though all are below.
 inline constexpr double kByChance = 9.0;
 inline constexpr std::size_t kLookedAtLeast = 3;
 /// Points that such a fit looks at: a stiffness that was a tenth off came from a start on the wrong side in 24.
@@ -52,8 +52,8 @@ inline constexpr double kSearchedSteps = 12'000.0;
 inline constexpr double kUnseen = 0.1;
 /// RMS over the noise up to which a second cause is looked for under the priors: a pair may leave nothing but noise there.
 inline constexpr double kNearEnough = 30.0;
-/// Squares of deviations from priors that one of two models needs more than the other, though they predict alike, to be implausible beside
-/// it [standard deviations squared]: four deviations of one number, odds of 1 to 3000.
+/// Squares of deviations from priors that one of two models that predict alike needs more than the other to be implausible
+/// beside it [standard deviations squared]: four deviations of one number, odds of 1 to 3000.
 inline constexpr double kImplausible = 16.0;
 /// Least share of the null's excess that a cause removes, on training data.
 inline constexpr double kShare = 0.2;

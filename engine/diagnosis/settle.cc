@@ -77,6 +77,10 @@ bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::si
   return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
+std::string PassOf(const Contest& contest) {
+  return contest.released ? "nominal values released" : "nominal values on their priors";
+}
+
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
   std::string text;
   for (const std::size_t i : which) text += (text.empty() ? "" : ", ") + contest.contestants[i].Name();
@@ -109,84 +113,73 @@ JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights
   return entry;
 }
 
-}  // namespace
-
-std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels) {
-  // The shortest memory hides what accumulates: it is no level to find nothing at.
-  const std::size_t shortest = levels.size() > 1 ? 1 : 0;
-  for (std::size_t level = levels.size(); level-- > shortest;) {
-    for (const Contestant& one : contest.contestants) {
-      if (!one.Holds(level) || !IsExact(one.levels[level])) continue;
-      if (level == levels.free_run() || IsQuiet(one.levels[level], levels.data())) return level;
-    }
-  }
-  return std::nullopt;
-}
-
-Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
-               const std::vector<double>& least) {
+/// Weights, priors and the share of the null's excess decide at a level where a model leaves nothing but noise.
+Settled SettleByWeights(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+                        std::size_t level) {
   Settled settled;
   const auto& all = contest.contestants;
-  const std::string pass = contest.released ? "nominal values released" : "nominal values on their priors";
-  if (const std::optional<std::size_t> level = ExactLevel(contest, levels)) {
-    settled.exact = true;
-    settled.level = *level;
-    const Weights weights(contest.contestants, levels, *level);
-    std::vector<std::size_t> standing, only_here;  // the latter: on these data, not on those that took no part
-    for (std::size_t i = 1; i < all.size(); ++i) {
-      if (!all[i].Holds(*level)) continue;
-      const std::optional<double> elsewhere = HeldOutShare(held_out, i, *level);
-      settled.journal.push_back(EntryOf(contest, levels, weights, *level, i));
-      if (elsewhere) settled.journal.back().numbers.emplace_back("held_out_share", *elsewhere);
-      bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, *level) >= policy::kShare &&
-                    IsExact(all[i].levels[*level]) && NamesSomething(all[i], *level);
-      for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
-      if (stands)
-        (HoldsElsewhere(held_out, i, *level, ShareAt(contest, levels, i, *level)) ? standing : only_here).push_back(i);
-    }
-    const auto by_share = [&](std::size_t a, std::size_t b) {
-      return ShareAt(contest, levels, a, *level) > ShareAt(contest, levels, b, *level);
-    };
-    // What the data do not separate the priors may: of two that predict alike, one that needs nominal values far from their sheet.
-    std::vector<std::size_t> implausible;
-    for (const std::size_t i : standing) {
-      if (std::ranges::any_of(standing, [&](std::size_t k) {
-            return OffNominal(all[i], *level) - OffNominal(all[k], *level) >= policy::kImplausible &&
-                   !weights.Beats(i, k);
-          }))
-        implausible.push_back(i);
-    }
-    std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });
-    KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
-    std::ranges::stable_sort(standing, by_share);
-    std::ranges::stable_sort(only_here, by_share);
-    settled.rule = "a model leaves nothing but noise (" + levels.Name(*level) + ", " + pass + ")";
-    settled.causes = standing;
-    if (standing.empty()) {
-      const bool null = all[0].Holds(*level) && IsExact(all[0].levels[*level]) && *level == levels.free_run();
-      settled.verdict = null && only_here.empty() ? Verdict::kNoEffect : Verdict::kUnexplained;
-      if (!only_here.empty()) {
-        settled.best = only_here.front();
-        settled.reason =
-            fmt::format("{} leaves nothing but noise, but does not gain on the hold-out", all[*settled.best].Name());
-      } else {
-        settled.reason = null
-                             ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
-                             : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
-      }
-    } else if (standing.size() == 1) {
-      settled.verdict = Verdict::kEffectFound;
-      settled.reason =
-          fmt::format("{} leaves nothing but noise, and no other model adds to it", Listed(contest, standing));
-    } else if (standing.size() <= policy::kMostAlike) {
-      settled.verdict = Verdict::kAmbiguous;
-      settled.reason = fmt::format("these records do not separate {}", Listed(contest, standing));
-    } else {
-      settled.reason = fmt::format("{} models leave nothing but noise and are not separated: {}", standing.size(),
-                                   Listed(contest, standing));
-    }
-    return settled;
+  settled.exact = true;
+  settled.level = level;
+  const Weights weights(contest.contestants, levels, level);
+  std::vector<std::size_t> standing, only_here;  // the latter: on these data, not on those that took no part
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (!all[i].Holds(level)) continue;
+    const std::optional<double> elsewhere = HeldOutShare(held_out, i, level);
+    settled.journal.push_back(EntryOf(contest, levels, weights, level, i));
+    if (elsewhere) settled.journal.back().numbers.emplace_back("held_out_share", *elsewhere);
+    bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, level) >= policy::kShare &&
+                  IsExact(all[i].levels[level]) && NamesSomething(all[i], level);
+    for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
+    if (stands)
+      (HoldsElsewhere(held_out, i, level, ShareAt(contest, levels, i, level)) ? standing : only_here).push_back(i);
   }
+  const auto by_share = [&](std::size_t a, std::size_t b) {
+    return ShareAt(contest, levels, a, level) > ShareAt(contest, levels, b, level);
+  };
+  // What the data do not separate the priors may: of two that predict alike, one that needs nominal values far from their sheet.
+  std::vector<std::size_t> implausible;
+  for (const std::size_t i : standing) {
+    if (std::ranges::any_of(standing, [&](std::size_t k) {
+          return OffNominal(all[i], level) - OffNominal(all[k], level) >= policy::kImplausible && !weights.Beats(i, k);
+        }))
+      implausible.push_back(i);
+  }
+  std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });
+  KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
+  std::ranges::stable_sort(standing, by_share);
+  std::ranges::stable_sort(only_here, by_share);
+  settled.rule = "a model leaves nothing but noise (" + levels.Name(level) + ", " + PassOf(contest) + ")";
+  settled.causes = standing;
+  if (standing.empty()) {
+    const bool null = all[0].Holds(level) && IsExact(all[0].levels[level]) && level == levels.free_run();
+    settled.verdict = null && only_here.empty() ? Verdict::kNoEffect : Verdict::kUnexplained;
+    if (!only_here.empty()) {
+      settled.best = only_here.front();
+      settled.reason =
+          fmt::format("{} leaves nothing but noise, but does not gain on the hold-out", all[*settled.best].Name());
+    } else {
+      settled.reason = null ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
+                            : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
+    }
+  } else if (standing.size() == 1) {
+    settled.verdict = Verdict::kEffectFound;
+    settled.reason =
+        fmt::format("{} leaves nothing but noise, and no other model adds to it", Listed(contest, standing));
+  } else if (standing.size() <= policy::kMostAlike) {
+    settled.verdict = Verdict::kAmbiguous;
+    settled.reason = fmt::format("these records do not separate {}", Listed(contest, standing));
+  } else {
+    settled.reason = fmt::format("{} models leave nothing but noise and are not separated: {}", standing.size(),
+                                 Listed(contest, standing));
+  }
+  return settled;
+}
+
+/// Where no model does: shares on data that took no part.
+Settled SettleByShares(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+                       const std::vector<double>& least) {
+  Settled settled;
+  const auto& all = contest.contestants;
   // Three error models: one beats another where it does so at one level at least and is beaten at none.
   settled.level = levels.corrected();
   std::vector<std::optional<Weights>> weights(levels.size());
@@ -238,7 +231,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
       numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
     settled.journal.push_back({"comparison",
                                {all[i].Name(), "nominal model"},
-                               "no model is exact, " + pass,
+                               "no model is exact, " + PassOf(contest),
                                std::move(numbers),
                                in             ? "admitted"
                                : !beats(i, 0) ? "does not beat the nominal model"
@@ -266,7 +259,7 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   }
   KeepPlainer(contest, plain, beats);
   std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, shorter) < held(b, shorter); });
-  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + pass + ")";
+  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + PassOf(contest) + ")";
   settled.causes = plain;
   double largest = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i) {
@@ -293,6 +286,26 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
     settled.reason = fmt::format("{} effects explain alike: {}", plain.size(), Listed(contest, plain));
   }
   return settled;
+}
+
+}  // namespace
+
+std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels) {
+  // The shortest memory hides what accumulates: it is no level to find nothing at.
+  const std::size_t shortest = levels.size() > 1 ? 1 : 0;
+  for (std::size_t level = levels.size(); level-- > shortest;) {
+    for (const Contestant& one : contest.contestants) {
+      if (!one.Holds(level) || !IsExact(one.levels[level])) continue;
+      if (level == levels.free_run() || IsQuiet(one.levels[level], levels.data())) return level;
+    }
+  }
+  return std::nullopt;
+}
+
+Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+               const std::vector<double>& least) {
+  const std::optional<std::size_t> level = ExactLevel(contest, levels);
+  return level ? SettleByWeights(contest, levels, held_out, *level) : SettleByShares(contest, levels, held_out, least);
 }
 
 }  // namespace dynoproof::diagnosis

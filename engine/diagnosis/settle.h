@@ -28,7 +28,8 @@ struct Settled {
 };
 
 /// Whether this contest decides by exactness: a model leaves nothing but noise, in the free run or at the longest level
-/// below that makes noise no louder. Then the weights of models against each other decide, and the share of the null's excess that is removed.
+/// below that makes noise no louder. Then the weights of models against each other decide, the priors where these do not, and the
+/// share of the null's excess that is removed.
 std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& levels);
 
 /// `held_out`: by contestant. `least`: the smallest over this and any other contest, by level.

@@ -57,14 +57,14 @@ struct KnownColumns {
 
 struct EstimatorOptions {
   int iterations = 20;  // of Levenberg-Marquardt, between two renewals
-  int renewals = 4;     // of s, tau, q0 and the columns of the Jacobian, which serve until the next
+  int renewals = 4;     // of s, tau, q0 and the columns of the Jacobian
   /// Points that a fit may look at; 0: as many as it likes. One that needs more goes along a valley.
   int points = 0;
   double converged = 1.0;  // what a step would still take off Q: an eighth of what decides between two models
   /// Or this share of what Q has beyond noise, if that is more: a model that is far off need not be found to the last digit.
   double of_excess = 0.0;
-  /// The start is near by: a descent keeps the columns of its beginning, a simulation a step. From afar they lead astray, so
-  /// that each step gets its own.
+  /// The start is near by: a descent follows the columns of its beginning by what each step changes, a simulation a step. From
+  /// afar they lead astray, so that each step gets its own.
   bool near = false;
   std::optional<KnownColumns> known = {};
 };

@@ -2,7 +2,8 @@
 """What readers of files were tried with, as counted: results.json beside this script, and the table of it in
 tests/README.md.
 
-trust.py fuzz out/fuzz/runs     takes over what ci/fuzz.sh has written there: hours, files, findings of each target
+trust.py fuzz out/fuzz/runs     adds what ci/fuzz.sh has written there to what was counted before, and empties that file, so that
+                                nothing counts twice; findings are those of the last time, for an earlier one is mended
 trust.py flips LOG              takes over what `DYNOPROOF_BIT_FLIPS=all trace_test --gtest_filter='BitFlips.*'` printed
 trust.py readme [--check]       writes the table into that page; --check: ends with 1 where it is another one"""
 import json
@@ -22,8 +23,8 @@ FORMATS = {"OfACompressedMat5": ["mat"], "OfACompressedMat73": ["mat"], "OfOurTr
 HEAD = "| reader of | stored files | fuzzed, hours | files tried | findings left | bits turned, one at a time | of these, other values |"
 
 
-def take_fuzz(lines):
-    fuzz = {}
+def take_fuzz(lines, before):
+    fuzz = {reader: dict(one, findings=0) for reader, one in before.items()}
     for line in lines:
         reader, seconds, files, findings = line.split()
         one = fuzz.setdefault(reader, {"seconds": 0, "files": 0, "findings": 0})
@@ -74,9 +75,12 @@ def main(arguments):
         elif block.read(PAGE, "fuzz") != table(results):
             sys.exit(f"{PAGE} has other rows besides, write them by `trust.py readme`")
         return
-    text = pathlib.Path(arguments[1]).read_text()
-    results[arguments[0]] = take_fuzz(text.splitlines()) if arguments[0] == "fuzz" else take_flips(text)
+    file = pathlib.Path(arguments[1])
+    text = file.read_text()
+    results[arguments[0]] = take_fuzz(text.splitlines(), results["fuzz"]) if arguments[0] == "fuzz" else take_flips(text)
     RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+    if arguments[0] == "fuzz":
+        file.write_text("")
 
 
 main(sys.argv[1:])
