@@ -24,10 +24,7 @@ class Remainder {
       : levels_(levels), estimate_(null.levels[levels.free_run()]), jacobian_(estimate_.jacobian) {
     lower_ = null.hypothesis.lower() - estimate_.q;
     upper_ = null.hypothesis.upper() - estimate_.q;
-    hessian_ = jacobian_.transpose() * jacobian_;
-    for (Index i = 0; i < hessian_.rows(); ++i) {
-      if (null.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) hessian_(i, i) += 1.0;
-    }
+    hessian_ = estimation::HessianOf(jacobian_, null.hypothesis);
   }
 
   /// Of weighted rows that an effect adds, what is left by the nominal values within their bounds: least squares, in which a

@@ -69,11 +69,7 @@ double RemovedBy(const Contestant& null, std::size_t level, Eigen::Index i) {
   Eigen::MatrixXd others = fit.jacobian;
   Eigen::VectorXd along = others.col(i);
   others.col(i).setZero();
-  Eigen::MatrixXd H = others.transpose() * others;
-  for (Eigen::Index k = 0; k < H.rows(); ++k) {
-    if (null.hypothesis.parameters()[static_cast<std::size_t>(k)].prior) H(k, k) += 1.0;
-  }
-  along -= others * dense::LeastSquares(H, others.transpose() * along);
+  along -= others * dense::LeastSquares(estimation::HessianOf(others, null.hypothesis), others.transpose() * along);
   const double power = along.squaredNorm() * fit.weighted.squaredNorm();
   return power > 0.0 ? std::pow(along.dot(fit.weighted), 2) / power : 0.0;
 }

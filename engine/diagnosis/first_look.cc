@@ -33,15 +33,9 @@ struct Signature {
 class Screen {
  public:
   Screen(const Contestant& null, const Predictor& predictor, std::size_t level)
-      : null_(null), predictor_(predictor), estimate_(null.levels[level]) {
-    const MatrixXd& J = estimate_.jacobian;
-    if (J.cols() == 0) return;
-    MatrixXd H = J.transpose() * J;
-    for (Index i = 0; i < H.rows(); ++i) {
-      if (null.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) H(i, i) += 1.0;
-    }
-    inverse_ = dense::PseudoInverse(H);
-  }
+      : predictor_(predictor),
+        estimate_(null.levels[level]),
+        inverse_(estimation::CurvatureOf(estimate_, null.hypothesis)) {}
 
   Signature Of(const Hypothesis& hypothesis, const VectorXd& q) const {
     const Result<VectorXd> with = predictor_.Innovations(hypothesis.At(q));
@@ -60,7 +54,6 @@ class Screen {
   }
 
  private:
-  const Contestant& null_;
   const Predictor& predictor_;
   const Estimate& estimate_;
   MatrixXd inverse_;

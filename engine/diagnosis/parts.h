@@ -22,8 +22,8 @@ struct Parts {
 Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                     const Registry& registry);
 
-/// The plan with the fewest substeps (`[run.realtime]`) whose free run no record tells from its own. Of a linear plan these serve laws
-/// that an effect may bring: it keeps them.
+/// The plan with the fewest substeps (`[run.realtime]`) whose free run no record tells from its own. A linear plan keeps its
+/// substeps: they are for the nonlinear laws that an effect may add.
 Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& registry);
 
 /// What a plan leaves beyond the noise at each level of a data set; nothing where its run breaks.

@@ -136,7 +136,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   const auto by_share = [&](std::size_t a, std::size_t b) {
     return ShareAt(contest, levels, a, level) > ShareAt(contest, levels, b, level);
   };
-  // What the data do not separate the priors may: of two that predict alike, one that needs nominal values far from their sheet.
+  // The priors decide between two models that predict alike: one that needs nominal values far from their priors is removed.
   std::vector<std::size_t> implausible;
   for (const std::size_t i : standing) {
     if (std::ranges::any_of(standing, [&](std::size_t k) {

@@ -16,10 +16,7 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
   const MatrixXd& J = estimate.jacobian;
   VectorXd left = estimate.weighted;
   if (J.cols() == 0) return estimate.innovations;
-  MatrixXd H = J.transpose() * J;
-  for (Index i = 0; i < H.rows(); ++i) {
-    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) H(i, i) += 1.0;
-  }
+  const MatrixXd H = HessianOf(J, hypothesis);
   for (const Block& block : BlocksOf(data)) {
     MatrixXd others = H;
     VectorXd score = VectorXd::Zero(H.rows());

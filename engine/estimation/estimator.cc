@@ -397,15 +397,21 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   return estimate;
 }
 
+Eigen::MatrixXd HessianOf(const Eigen::MatrixXd& jacobian, const Hypothesis& hypothesis) {
+  Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
+  for (Index i = 0; i < hessian.rows(); ++i) {
+    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) hessian(i, i) += 1.0;
+  }
+  return hessian;
+}
+
 Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis) {
   const Eigen::MatrixXd& J = estimate.jacobian;
   const Index p = J.cols();
   if (p == 0) return {};
-  Eigen::MatrixXd hessian = J.transpose() * J, meat = Eigen::MatrixXd::Zero(p, p);
+  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(p, p);
   for (Index i = 0; i < p; ++i) {
-    if (!hypothesis.parameters()[static_cast<std::size_t>(i)].prior) continue;
-    hessian(i, i) += 1.0;
-    meat(i, i) += 1.0;
+    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) meat(i, i) += 1.0;
   }
   for (const Block& block : BlocksOf(data)) {
     VectorXd score = VectorXd::Zero(p);
@@ -417,17 +423,13 @@ Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hy
     }
     meat += score * score.transpose();
   }
-  const Eigen::MatrixXd inverse = dense::PseudoInverse(hessian);
+  const Eigen::MatrixXd inverse = dense::PseudoInverse(HessianOf(J, hypothesis));
   return inverse * meat * inverse;
 }
 
 Eigen::MatrixXd CurvatureOf(const Estimate& estimate, const Hypothesis& hypothesis) {
   if (estimate.jacobian.cols() == 0) return {};
-  Eigen::MatrixXd hessian = estimate.jacobian.transpose() * estimate.jacobian;
-  for (Index i = 0; i < hessian.rows(); ++i) {
-    if (hypothesis.parameters()[static_cast<std::size_t>(i)].prior) hessian(i, i) += 1.0;
-  }
-  return dense::PseudoInverse(hessian);
+  return dense::PseudoInverse(HessianOf(estimate.jacobian, hypothesis));
 }
 
 double LogLikelihood(const Estimate& estimate, const Predictor& predictor) {

@@ -79,6 +79,9 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Eig
 std::vector<Estimate> FitThrough(const Hypothesis& hypothesis, const std::vector<const Predictor*>& levels,
                                  const Eigen::VectorXd& start, const EstimatorOptions& options = {});
 
+/// Curvature of half the criterion by the columns of a fit, J'J and 1 for each number with a prior [parameters x parameters].
+Eigen::MatrixXd HessianOf(const Eigen::MatrixXd& jacobian, const Hypothesis& hypothesis);
+
 /// Covariance of the coordinates by the sandwich H^-1 (sum_b g_b g_b') H^-1, g_b the gradient's part of block b of some 40
 /// of each channel: errors that hang together count as such [parameters x parameters]. Empty where nothing is free.
 Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis);

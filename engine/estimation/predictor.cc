@@ -44,7 +44,8 @@ struct Course {
   double Change(std::size_t tick) const { return ends[tick + 1] - begins[tick]; }
 
   /// Between ticks the cubic by what this period changes and its neighbours (Bessel's formula), which have no step in them;
-  /// at the ends the straight line. Of a vibration of six ticks a period a line takes 16 %, the cubic 3 %.
+  /// at the ends the straight line. The straight line lowers a sine of six ticks a
+  /// period by 16 %, the cubic by 3 %.
   double At(const Instant& at) const {
     const auto& [k, x] = at;
     if (!(x > 0.0)) return ends[k];
@@ -117,7 +118,7 @@ class SensorError {
   int taken() const { return taken_; }
   /// Ticks from where a sample counts to where it shows.
   int late() const { return line_.delay_periods - (taken_ >= 0 ? 1 : 0); }
-  /// What the sensor has looked at last, in a frame at a tick.
+  /// The signal at the sensor's last look, in a frame at a tick.
   double SeenIn(const Frame& frame) const {
     if (taken_ < 0 || frame.step == 0) return frame.signals[static_cast<std::size_t>(chain_.end())];
     return frame.rings[static_cast<std::size_t>(line_.ring + (frame.step - 1) % line_.delay_periods)];

@@ -23,7 +23,7 @@ constexpr Range kAnything{-kInfinity, kInfinity};
 
 Range Only(double value) { return {value, value}; }
 
-/// What a signal is before, at and after an instant.
+/// The ranges of a signal's values before, at and after an instant.
 struct Event {
   std::size_t begin = 0, end = 0;  // its samples at the instant
   Range before, at, after;

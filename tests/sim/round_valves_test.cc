@@ -54,17 +54,23 @@ struct Air {
   std::string words;
 };
 
+/// The plant of a plan that runs as long as all here do, in a gas of these numbers and from the same ambient pressure.
+Value& PlantOf(Plan& plan, double R_J_per_kg_K, double theta_K) {
+  plan.root["run"]["duration_s"] = Value(kDuration_s);
+  plan.root["run"]["period_s"] = Value(kPeriod_s);
+  Value& plant = plan.root["plant"];
+  plant["R_J_per_kg_K"] = Value(R_J_per_kg_K);
+  plant["theta_K"] = Value(theta_K);
+  plant["ambient_pressure_Pa"] = Value(kAmbient_Pa);
+  return plant;
+}
+
 Air RandomAir(std::uint64_t seed) {
   Draws draws(seed);
   Air air;
   air.plan = AirPlan();
   air.words = "air, seed " + std::to_string(seed) + ":";
-  Value& plant = air.plan.root["plant"];
-  air.plan.root["run"]["duration_s"] = Value(kDuration_s);
-  air.plan.root["run"]["period_s"] = Value(kPeriod_s);
-  plant["R_J_per_kg_K"] = Value(250.0);
-  plant["theta_K"] = Value(400.0);
-  plant["ambient_pressure_Pa"] = Value(kAmbient_Pa);
+  Value& plant = PlantOf(air.plan, 250.0, 400.0);
   plant["flow_function"] = Value(draws.Of({"approximate", "approximate", "isentropic"}));
   air.words += " " + plant.TextOr("flow_function");
   air.sealed = draws.Of({false, true});
@@ -188,12 +194,7 @@ GasValve RandomGas(std::uint64_t seed) {
   GasValve gas;
   gas.plan = GasPlan();
   gas.words = "gas, seed " + std::to_string(seed) + ":";
-  Value& plant = gas.plan.root["plant"];
-  gas.plan.root["run"]["duration_s"] = Value(kDuration_s);
-  gas.plan.root["run"]["period_s"] = Value(kPeriod_s);
-  plant["R_J_per_kg_K"] = Value(500.0);
-  plant["theta_K"] = Value(320.0);
-  plant["ambient_pressure_Pa"] = Value(kAmbient_Pa);
+  Value& plant = PlantOf(gas.plan, 500.0, 320.0);
   plant["damping_Ns_per_m"] = Value(gas.damping = draws.Of({200.0, 400.0}));
   plant["volume"]["V"] = Value{{"volume_m3", gas.volume = draws.Of({0.02, 0.05, 0.1})},
                                {"leakage_area_m2", gas.leak = draws.Of({0.0, 0.0, 1e-6})}};
