@@ -37,8 +37,8 @@ void TakeInLine(const Series& series, std::size_t to, int step, double time_s, d
   const auto sample = [&](int back) { return static_cast<std::ptrdiff_t>(to) - back * step; };
   const auto apart = [&](int back) {  // both samples exist, and at two instants
     const std::ptrdiff_t a = sample(back), b = sample(back - 1), first = std::min(a, b);
-    return std::max(a, b) < static_cast<std::ptrdiff_t>(time.size()) && first >= 0 &&
-           !IsJump(time, static_cast<std::size_t>(first));
+    return std::max(a, b) < static_cast<std::ptrdiff_t>(series.time_s.size()) && first >= 0 &&
+           !IsJump(series.time_s, static_cast<std::size_t>(first));
   };
   if (interpolation == Interpolation::kHold || !apart(1)) return;
   const double width = time[to] - time[sample(1)], slope = (values[to] - values[sample(1)]) / width;

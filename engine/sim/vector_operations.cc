@@ -25,6 +25,14 @@ void Each(N_Vector x, N_Vector y, N_Vector result, Function f) {
   for (sunindextype i = 0; i < n; ++i) to[i] = f(left[i], right[i]);
 }
 
+// Wider registers where a CPU has them: each number is formed by the same operations in the same order, and AVX2 alone has no
+// fused multiplication, so both forms give the same bits.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define DYNOPROOF_WIDER __attribute__((target_clones("avx2", "default")))
+#else
+#define DYNOPROOF_WIDER
+#endif
+
 /// Equal factors are applied to the sum, as SUNDIALS does it, unless they are 1 or -1 and nothing is rounded.
 void LinearSum(double a, N_Vector x, double b, N_Vector y, N_Vector result) {
   const bool exact = std::abs(a) == 1.0 || std::abs(b) == 1.0;
@@ -38,7 +46,7 @@ void LinearSum(double a, N_Vector x, double b, N_Vector y, N_Vector result) {
 }
 
 /// z = sum c_i x_i over all vectors in one pass.
-int LinearCombination(int count, double* factors, N_Vector* vectors, N_Vector result) {
+DYNOPROOF_WIDER int LinearCombination(int count, double* factors, N_Vector* vectors, N_Vector result) {
   constexpr int kMost = 16;
   if (count > kMost) return -1;
   const double* x[kMost];

@@ -76,6 +76,23 @@ std::optional<double> NeutralOf(std::string_view plain) {
   return {};
 }
 
+/// Whether one letter less, more or other makes one of the other.
+bool OneLetterApart(std::string_view a, std::string_view b) {
+  while (!a.empty() && !b.empty() && a.front() == b.front()) a.remove_prefix(1), b.remove_prefix(1);
+  if (a.size() == b.size()) return !a.empty() && a.substr(1) == b.substr(1);
+  return a.size() < b.size() ? a == b.substr(1) : a.substr(1) == b;
+}
+
+/// The attribute that one is a slip of the pen or of a bit away from, of those that change what the numbers stand for.
+/// Short names are left out: by one letter they are other words.
+const char* NearlyTheNameOf(std::string_view plain) {
+  static constexpr const char* kNames[] = {"scale_factor", "add_offset", "_FillValue", "missing_value", "valid_range"};
+  for (const char* const name : kNames) {
+    if (OneLetterApart(plain, Plain(name))) return name;
+  }
+  return nullptr;
+}
+
 /// The numbers among the words of a text; a date is none.
 std::vector<double> NumbersIn(std::string_view text) {
   constexpr std::string_view kBetween = " \t\r\n,;()[]{}*=/+";
@@ -148,7 +165,8 @@ class Reader {
       return {};
     }
     if (plain == "validmin" || plain == "validmax" || plain == "validrange") return TakeLimits(attribute, plain);
-    if (const std::optional<double> neutral = scaled_later_ ? std::nullopt : NeutralOf(plain)) {
+    if (const std::optional<double> neutral = NeutralOf(plain)) {
+      if (scaled_later_) return {};
       const Result<std::vector<double>> numbers = NumbersOf(dataset_, attribute);
       if (!numbers.ok()) return numbers.failure();
       if (!ChangesNothing(*numbers, *neutral))
@@ -156,7 +174,14 @@ class Reader {
                    fmt::format("says {}: programs mean different things by it, so it is not applied. Say in a map what "
                                "the values are (gain, offset), or store them as they are meant",
                                fmt::join(*numbers, ", ")));
+      return {};
     }
+    if (const char* const name = NearlyTheNameOf(plain))
+      return Bad(
+          name_, attribute,
+          fmt::format("is nearly \"{}\", which changes what the numbers stand for: the file is damaged or the name "
+                      "misspelt. Rename or remove it",
+                      name));
     return {};
   }
 

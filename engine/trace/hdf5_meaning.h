@@ -10,7 +10,8 @@
 //
 // Capitals and underscores make no difference (ScaleFactor). An attribute that other programs use for a scaling, but
 // each in its own way (scale, gain, offset, slope, calibration, conversion, ...), is not guessed at: unless it changes
-// nothing, the dataset is refused by the attribute's name. All other attributes are for people.
+// nothing, the dataset is refused by the attribute's name; so it is where a name is one letter off one of those above.
+// All other attributes are for people.
 #pragma once
 
 #include <optional>

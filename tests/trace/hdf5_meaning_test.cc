@@ -182,6 +182,24 @@ TEST_F(Meaning, AScalingThatIsNotTheSameEverywhereIsRefusedByName) {
   EXPECT_FALSE(Read({1, 2, 3, 4}, H5T_STD_I16LE, [](Hdf5File& f) { f.Text(kX, "formula", "0.5*x"); }).ok());
 }
 
+TEST_F(Meaning, ANameWithOneBitTurnedIsNotPassedOver) {
+  for (const std::string right : {"scale_factor", "add_offset"}) {
+    for (std::size_t bit = 0; bit < 8 * right.size(); ++bit) {
+      std::string name = right;
+      name[bit / 8] = static_cast<char>(name[bit / 8] ^ (1 << bit % 8));
+      if (name[bit / 8] == '\0') continue;  // its end, for the library
+      const Result<Record> record =
+          Read({1, 2, 3, 4}, H5T_STD_I16LE, [&](Hdf5File& f) { f.Number(kX, name.c_str(), {0.5}); });
+      if (record.ok()) {  // another case, another mark between the words: understood
+        EXPECT_NE(record->columns[*record->Find("x")].values, (std::vector<double>{1, 2, 3, 4})) << name;
+      } else {
+        EXPECT_THAT(record.failure().message, HasSubstr("is nearly \"" + right + "\"")) << name;
+      }
+    }
+  }
+  EXPECT_TRUE(Read({1, 2, 3, 4}, H5T_STD_I16LE, [](Hdf5File& f) { f.Number(kX, "factory", {7}); }).ok());
+}
+
 TEST_F(Meaning, AScalingThatCannotBeReadIsRefused) {
   const std::vector<std::pair<const char*, std::function<void(Hdf5File&)>>> faults = {
       {"scale_factor", [](Hdf5File& f) { f.Text(kX, "scale_factor", "see manual"); }},
