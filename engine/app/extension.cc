@@ -20,10 +20,10 @@ bool SameFile(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-Result<std::optional<diagnosis::Evidence>> EvidenceFor(const Prepared& prepared, const EvidenceRecords& records,
-                                                       const Registry& registry, Diagnostics& diagnostics) {
+Result<std::optional<diagnosis::ExtensionGain>> EvidenceFor(const Prepared& prepared, const EvidenceRecords& records,
+                                                            const Registry& registry, Diagnostics& diagnostics) {
   const std::optional<ExtensionSpec> extension = ReadExtension(prepared.plan, diagnostics);
-  if (!extension && records.empty()) return std::optional<diagnosis::Evidence>();
+  if (!extension && records.empty()) return std::optional<diagnosis::ExtensionGain>();
   if (!extension)
     return Usage("--holdout, --record and --map are for scenarios with [extension]; this one extends no other");
   if (records.holdout.empty())
@@ -48,7 +48,7 @@ Result<std::optional<diagnosis::Evidence>> EvidenceFor(const Prepared& prepared,
   const bool inherited =
       nominal->own != nullptr && prepared.data != nullptr && SameFile(nominal->own->file, prepared.data->file);
   if (prepared.data != nullptr && !inherited) others.push_back(*prepared.data);
-  Result<diagnosis::Evidence> evidence =
+  Result<diagnosis::ExtensionGain> evidence =
       diagnosis::WeighExtension(nominal->plan, prepared.plan, nominal->holdout.front(), others, registry);
   if (!evidence.ok()) return evidence.failure();
   return std::optional(*std::move(evidence));

@@ -7,7 +7,7 @@
 
 #include "base/diagnostics.h"
 #include "base/status.h"
-#include "diagnosis/evidence.h"
+#include "diagnosis/extension_gain.h"
 #include "experiment/prepare.h"
 
 namespace dynoproof::app {
@@ -22,7 +22,7 @@ struct EvidenceRecords {
 /// What a scenario with [extension] gains on its nominal one in these records and in the [record] of either; nothing
 /// for a scenario without. Fails where records are missing, are given in vain, or a run breaks; faults of the nominal
 /// scenario and of the records go to `diagnostics` besides.
-Result<std::optional<diagnosis::Evidence>> EvidenceFor(const Prepared& prepared, const EvidenceRecords& records,
+Result<std::optional<diagnosis::ExtensionGain>> EvidenceFor(const Prepared& prepared, const EvidenceRecords& records,
                                                        const Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace dynoproof::app

@@ -143,7 +143,7 @@ Tree UserTree(const std::string& file) {
 }
 
 /// The reason as the golden file keeps it: with the gain that spoke for an extension.
-std::string ReasonWith(std::string reason, const std::optional<diagnosis::Evidence>& evidence) {
+std::string ReasonWith(std::string reason, const std::optional<diagnosis::ExtensionGain>& evidence) {
   if (!evidence) return reason;
   reason.erase(reason.find_last_not_of(" \t\n") + 1);
   const bool ended = reason.ends_with('.') || reason.ends_with('!') || reason.ends_with('?');
@@ -172,7 +172,8 @@ int Bless(const BlessArguments& arguments) {
   const Tree tree = IsOwnScenario(files[0]) ? UserTree(files[0]) : ProgramTree();
   if (!tree.refusal.empty()) return refuse(tree.refusal);
   Diagnostics of_records;
-  const Result<std::optional<diagnosis::Evidence>> evidence = EvidenceFor(*prepared, records, *registry, of_records);
+  const Result<std::optional<diagnosis::ExtensionGain>> evidence =
+      EvidenceFor(*prepared, records, *registry, of_records);
   Report(of_records);
   if (!evidence.ok()) {
     if (evidence.failure().exit_code == kUsage) return refuse(evidence.failure().ToString());

@@ -139,50 +139,47 @@ Result<Course> Play(const Prepared& prepared, const Progress& progress, bool tim
   return Course{std::move(*samples), std::move(trace), times};
 }
 
-ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) {
-  ScenarioResult result;
-  result.id = prepared.plan.id;
-  result.title = prepared.title;
-  result.notes = prepared.notes;
-  const auto broken = [&result](const Failure& failure) {
-    result.verdict = score::Verdict::kBroken;
-    result.broken = failure.ToString();
-    result.exit_code = failure.exit_code;
-    return result;
-  };
-  if (!prepared.record_fault.empty()) {  // without its record there is nothing to run
-    score::Check& check = result.checks.emplace_back();
-    check.name = "record";
-    check.kind = "record";
-    check.explanation = prepared.record_fault;
-    check.value = check.limit = std::numeric_limits<double>::quiet_NaN();
-    check.shown = "not run: the record is not there as [record] has it";
-    check.origin = "file and hash of [record]";
-    result.verdict = score::Combine(result.checks);
-    return result;
-  }
-  Result<Course> course = Play(prepared, options.progress, options.seen != nullptr);
-  if (!course.ok()) return broken(course.failure());
-  const MappedRecord* data = options.data != nullptr ? options.data : prepared.data.get();
-  const std::optional<double> window_s = PredictionWindow(prepared.plan);
-  std::optional<Windowed> windowed;
-  if (data != nullptr && window_s && !data->outputs.empty()) {
-    Result<Windowed> compared = CompareInWindows(*prepared.rig, *data, *window_s, course->trace);
-    if (!compared.ok()) return broken(compared.failure());
-    windowed = std::move(*compared);
-    result.notes.push_back(fmt::format(
-        "compared in windows of {} s, each from a state that the record before it tells (OUTPUT_windows of the trace)",
-        *window_s));
-  }
-  result.counters = course->samples.counters;
-  const std::string file = (std::filesystem::path(options.out) / (result.id + ".h5")).string();
-  if (!options.out.empty()) {
-    if (Status failed = trace::WriteTrace(file, course->trace)) return broken(*failed);
-    result.trace_file = file;
-  }
+namespace {
 
-  CheckContext context(prepared.plan, *prepared.rig, course->samples, prepared.rig->run.solver);
-  context.trace = &course->trace;
+/// What a run without its record ends with: there is nothing to run.
+ScenarioResult WithoutRecord(const Prepared& prepared, ScenarioResult result) {
+  score::Check& check = result.checks.emplace_back();
+  check.name = "record";
+  check.kind = "record";
+  check.explanation = prepared.record_fault;
+  check.value = check.limit = std::numeric_limits<double>::quiet_NaN();
+  check.shown = "not run: the record is not there as [record] has it";
+  check.origin = "file and hash of [record]";
+  result.verdict = score::Combine(result.checks);
+  return result;
+}
+
+struct Simulated {
+  Course course;
+  std::optional<Windowed> windowed = {};
+};
+
+/// Simulates the scenario, and once more in windows of the record where the scenario asks for it.
+Result<Simulated> SimulateBeside(const Prepared& prepared, const RunOptions& options, const MappedRecord* data,
+                                 std::vector<std::string>& notes) {
+  Result<Course> course = Play(prepared, options.progress, options.seen != nullptr);
+  if (!course.ok()) return course.failure();
+  Simulated simulated{std::move(*course)};
+  const std::optional<double> window_s = PredictionWindow(prepared.plan);
+  if (data == nullptr || !window_s || data->outputs.empty()) return simulated;
+  Result<Windowed> windowed = CompareInWindows(*prepared.rig, *data, *window_s, simulated.course.trace);
+  if (!windowed.ok()) return windowed.failure();
+  simulated.windowed = std::move(*windowed);
+  notes.push_back(fmt::format(
+      "compared in windows of {} s, each from a state that the record before it tells (OUTPUT_windows of the trace)",
+      *window_s));
+  return simulated;
+}
+
+/// The scenario's own checks, its golden trace among them.
+void CheckCourse(const Prepared& prepared, const Course& course, ScenarioResult& result) {
+  CheckContext context(prepared.plan, *prepared.rig, course.samples, prepared.rig->run.solver);
+  context.trace = &course.trace;
   context.registry = prepared.registry;
   context.records = prepared.records.get();
   context.golden = &prepared.golden;
@@ -192,16 +189,51 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   if (prepared.checks_as_written) gone = GoldenNotStated(prepared.golden, prepared.plan);
   if (gone) result.checks.push_back(std::move(*gone));
   result.figures = std::move(context.figures);
+}
+
+/// The comparison with the record: alone where a command names it, beside the scenario's checks where the scenario does.
+void CompareWithData(const Prepared& prepared, const RunOptions& options, const Simulated& simulated,
+                     const MappedRecord& data, ScenarioResult& result) {
+  result.notes.insert(result.notes.end(), data.notes.begin(), data.notes.end());
+  const RecordSettings settings = prepared.record.value_or(RecordSettings());
+  const std::string today = options.today.empty() ? Today() : options.today;
+  const std::optional<Windowed>& windowed = simulated.windowed;
+  std::vector<score::Check> compared =
+      CompareWithRecord(*prepared.rig, windowed ? windowed->samples : simulated.course.samples,
+                        windowed ? windowed->data : data, settings, today, result.figures);
+  if (compared.empty()) result.notes.push_back("the record has no output of the scenario: nothing was compared");
+  if (options.data != nullptr) result.checks.clear();
+  result.checks.insert(result.checks.end(), compared.begin(), compared.end());
+}
+
+}  // namespace
+
+ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) {
+  ScenarioResult result;
+  result.id = prepared.plan.id;
+  result.title = prepared.title;
+  result.notes = prepared.notes;
+  if (!prepared.record_fault.empty()) return WithoutRecord(prepared, std::move(result));
+  const auto broken = [&result](const Failure& failure) {
+    result.verdict = score::Verdict::kBroken;
+    result.broken = failure.ToString();
+    result.exit_code = failure.exit_code;
+    return result;
+  };
+  const MappedRecord* const data = options.data != nullptr ? options.data : prepared.data.get();
+  const Result<Simulated> simulated = SimulateBeside(prepared, options, data, result.notes);
+  if (!simulated.ok()) return broken(simulated.failure());
+  const Course& course = simulated->course;
+  result.counters = course.samples.counters;
+  const std::string base = (std::filesystem::path(options.out) / result.id).string();
+  if (!options.out.empty()) {
+    if (Status failed = trace::WriteTrace(base + ".h5", course.trace)) return broken(*failed);
+    result.trace_file = base + ".h5";
+  }
+
+  CheckCourse(prepared, course, result);
   if (data != nullptr) {
-    result.notes.insert(result.notes.end(), data->notes.begin(), data->notes.end());
-    const RecordSettings settings = prepared.record.value_or(RecordSettings());
-    const std::string today = options.today.empty() ? Today() : options.today;
-    std::vector<score::Check> compared =
-        CompareWithRecord(*prepared.rig, windowed ? windowed->samples : course->samples,
-                          windowed ? windowed->data : *data, settings, today, result.figures);
-    if (compared.empty()) result.notes.push_back("the record has no output of the scenario: nothing was compared");
-    if (options.data != nullptr) result.checks.clear();
-    result.checks.insert(result.checks.end(), compared.begin(), compared.end());
+    CompareWithData(prepared, options, *simulated, *data, result);
   } else if (result.checks.empty()) {
     result.notes.push_back("the scenario states no checks: nothing was compared");
   }
@@ -209,14 +241,13 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
       return IsOfGolden(check) && check.verdict != score::Verdict::kPass;
     });
-    const Result<std::string> note = KeepGolden(
-        prepared.golden, fell_short, file, (std::filesystem::path(options.out) / (result.id + ".golden.h5")).string());
+    const Result<std::string> note = KeepGolden(prepared.golden, fell_short, base + ".h5", base + ".golden.h5");
     if (!note.ok()) return broken(note.failure());
     if (!note->empty()) result.notes.push_back(*note);
   }
   const bool inputs_alone = data != nullptr && result.checks.empty();
   result.verdict = inputs_alone ? score::Verdict::kInconclusive : score::Combine(result.checks);
-  if (options.seen) options.seen(*course, result);
+  if (options.seen) options.seen(course, result);
   // The evidence is as long as the run; results of many scenarios are kept side by side.
   for (score::Check& check : result.checks) check.evidence = nullptr;
   return result;

@@ -15,8 +15,8 @@ const Block* NonlinearBlock(const Rig& rig) {
   if (!roles.nonlinear.empty()) return &rig.blocks[static_cast<std::size_t>(roles.nonlinear.front())];
   for (const int index : roles.linear) {
     const Block& block = rig.blocks[static_cast<std::size_t>(index)];
-    const std::vector<Channel>& channels = block.component->linear_part()->channels;
-    if (std::any_of(channels.begin(), channels.end(), [](const Channel& c) { return !c.law->constant(); }))
+    const std::vector<LawChannel>& channels = block.component->linear_part()->channels;
+    if (std::any_of(channels.begin(), channels.end(), [](const LawChannel& c) { return !c.law->constant(); }))
       return &block;
   }
   return nullptr;

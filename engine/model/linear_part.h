@@ -11,7 +11,7 @@
 namespace dynoproof {
 
 /// One nonlinear law. It sees twist and rate, and answers with the torque beyond its linear spring and damper.
-struct Channel {
+struct LawChannel {
   const Law* law = nullptr;
   int state_offset = 0;   // the law's own states within the component's states
   int mode_offset = 0;    // its modes within the component's modes
@@ -23,7 +23,7 @@ struct Channel {
 /// outputs followed by [twist, rate] per channel. A channel torque acts on the rate through B like on any node.
 struct LinearPart {
   mechanics::LinearSystem system;
-  std::vector<Channel> channels;
+  std::vector<LawChannel> channels;
   /// The component's linear states s (its first states, before those of the laws) from and to the coordinates (x, p)
   /// of `system`: x = x_from_state s, p = p_from_state s, s = state_from_x x + state_from_p p.
   Eigen::MatrixXd x_from_state, p_from_state, state_from_x, state_from_p;

@@ -174,7 +174,7 @@ LinearGroup Join(const Rig& rig, const Roles& roles, bool promote, bool& reacts_
         channel_rows.push_back(std::move(row));
       }
     }
-    for (const Channel& channel : part.channels) {
+    for (const LawChannel& channel : part.channels) {
       group.channels.push_back({channel, block.first_state + channel.state_offset,
                                 block.first_mode + channel.mode_offset,
                                 static_cast<int>(channel.law->layout().states.size()), channel.law->layout().modes,

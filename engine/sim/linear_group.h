@@ -26,7 +26,7 @@ struct LinearGroup {
   std::vector<int> reads, writes;
   std::vector<bool> read_is_held;  // by `reads`: constant over an interval
   struct JoinedChannel {
-    Channel channel;
+    LawChannel channel;
     int state, mode;    // in the frame
     int states, modes;  // how many
     bool switches;      // has modes and does not stick

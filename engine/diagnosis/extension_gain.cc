@@ -1,4 +1,4 @@
-#include "diagnosis/evidence.h"
+#include "diagnosis/extension_gain.h"
 
 #include <fmt/format.h>
 
@@ -47,33 +47,33 @@ std::string Lacking(const std::vector<RecordGains>& records) {
   return gained ? "" : "no signal of the hold-out is foretold better: every interval includes zero";
 }
 
-Result<Evidence> WeighExtension(const Plan& nominal, const Plan& extended, const MappedRecord& holdout,
-                                const std::vector<MappedRecord>& others, const Registry& registry) {
-  Evidence evidence;
+Result<ExtensionGain> WeighExtension(const Plan& nominal, const Plan& extended, const MappedRecord& holdout,
+                                     const std::vector<MappedRecord>& others, const Registry& registry) {
+  ExtensionGain extension;
   std::vector<const MappedRecord*> records = {&holdout};
   for (const MappedRecord& other : others) records.push_back(&other);
   for (const MappedRecord* record : records) {
     Result<RecordGains> gains = GainsIn(*record, record == &holdout, nominal, extended, registry);
     if (!gains.ok()) return gains.failure();
-    evidence.records.push_back(*std::move(gains));
+    extension.records.push_back(*std::move(gains));
   }
-  evidence.lacking = Lacking(evidence.records);
-  return evidence;
+  extension.lacking = Lacking(extension.records);
+  return extension;
 }
 
-nlohmann::json ToJson(const Evidence& evidence) {
+nlohmann::json ToJson(const ExtensionGain& extension) {
   nlohmann::json out = nlohmann::json::array();
-  for (const RecordGains& one : evidence.records)
+  for (const RecordGains& one : extension.records)
     out.push_back({{"record", one.file}, {"holdout", one.holdout}, {"gain", ToJson(one.gains, true)}});
   return out;
 }
 
-std::string ToTable(const Evidence& evidence) {
+std::string ToTable(const ExtensionGain& extension) {
   std::size_t width = 6;
-  for (const RecordGains& one : evidence.records) width = std::max(width, one.file.size());
+  for (const RecordGains& one : extension.records) width = std::max(width, one.file.size());
   std::string text = fmt::format("  {:<{}}  {:<12}{:>12}{:>12}{:>24}\n", "record", width, "signal", "NRMSE before",
                                  "after", "gain, 95 %");
-  for (const RecordGains& one : evidence.records) {
+  for (const RecordGains& one : extension.records) {
     for (const auto& [name, gain] : one.gains)
       text += fmt::format("  {:<{}}  {:<12}{:>12.4g}{:>12.4g}{:>12.4g} ... {:.4g}{}\n", one.file, width, name,
                           gain.before, gain.after, gain.lower, gain.upper, one.holdout ? "  hold-out" : "");
@@ -82,16 +82,16 @@ std::string ToTable(const Evidence& evidence) {
   return text;
 }
 
-std::string GainSentence(const Evidence& evidence) {
+std::string GainSentence(const ExtensionGain& extension) {
   std::vector<std::string> parts;
-  for (const RecordGains& one : evidence.records) {
+  for (const RecordGains& one : extension.records) {
     for (const auto& [name, gain] : one.gains) {
       if (one.holdout && Gains(gain))
         parts.push_back(fmt::format("{} from {:.3g} to {:.3g} (gain {:.3g} ... {:.3g})", name, gain.before, gain.after,
                                     gain.lower, gain.upper));
     }
   }
-  const std::string file = evidence.records.empty() ? "" : evidence.records.front().file;
+  const std::string file = extension.records.empty() ? "" : extension.records.front().file;
   return fmt::format("NRMSE on the hold-out {}: {}; intervals are 95 %.", file, fmt::join(parts, ", "));
 }
 

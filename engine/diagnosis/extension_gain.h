@@ -18,7 +18,7 @@ struct RecordGains {
   std::map<std::string, SignalGain> gains;
 };
 
-struct Evidence {
+struct ExtensionGain {
   std::vector<RecordGains> records;  // the hold-out first
   std::string lacking;               // why it is not enough; empty: it is
 };
@@ -29,13 +29,13 @@ std::string Lacking(const std::vector<RecordGains>& records);
 
 /// Predicts every record by both plans, effects applied, each from the plan's own start as a diagnosis predicts its
 /// hold-out. Fails where a run breaks.
-Result<Evidence> WeighExtension(const Plan& nominal, const Plan& extended, const MappedRecord& holdout,
-                                const std::vector<MappedRecord>& others, const Registry& registry);
+Result<ExtensionGain> WeighExtension(const Plan& nominal, const Plan& extended, const MappedRecord& holdout,
+                                     const std::vector<MappedRecord>& others, const Registry& registry);
 
-nlohmann::json ToJson(const Evidence& evidence);
+nlohmann::json ToJson(const ExtensionGain& extension);
 /// Record, signal, NRMSE before and after, interval of the gain.
-std::string ToTable(const Evidence& evidence);
+std::string ToTable(const ExtensionGain& extension);
 /// What was gained on the hold-out, as one sentence.
-std::string GainSentence(const Evidence& evidence);
+std::string GainSentence(const ExtensionGain& extension);
 
 }  // namespace dynoproof::diagnosis
