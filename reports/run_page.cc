@@ -1,6 +1,7 @@
 #include "reports/run_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -88,9 +89,10 @@ std::string LeadOf(const std::vector<const ScenarioResult*>& sorted) {
   }
   const auto failed = std::count_if(worst.checks.begin(), worst.checks.end(),
                                     [](const Check& one) { return one.verdict != Verdict::kPass; });
-  return text + fmt::format("{}: {}. {}. {} of {} checks {}.", Escape(check->name), value,
-                            check->cause.empty() ? Escape(check->explanation) : "Likely cause: " + Escape(check->cause),
-                            failed, worst.checks.size(), failed == 1 ? "does not pass" : "do not pass");
+  std::string why = check->cause.empty() ? check->explanation : "Likely cause: " + check->cause;
+  if (!worst.changes.empty()) why += fmt::format(". Changed by --set: {}", fmt::join(worst.changes, ", "));
+  return text + fmt::format("{}: {}. {}. {} of {} checks {}.", Escape(check->name), value, Escape(why), failed,
+                            worst.checks.size(), failed == 1 ? "does not pass" : "do not pass");
 }
 
 std::string FiguresOf(const ScenarioResult& result) {

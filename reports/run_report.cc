@@ -1,6 +1,7 @@
 #include "reports/run_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -258,6 +259,43 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour) {
   return text;
 }
 
+namespace {
+
+/// The checks that did not pass, those of one verdict and kind of comparison together, the worst of each first: what one cause
+/// spoils it mostly spoils in many signals.
+std::vector<std::vector<const Check*>> NotPassed(const ScenarioResult& result) {
+  std::vector<std::vector<const Check*>> groups;
+  for (const Check& check : result.checks) {
+    if (check.verdict == Verdict::kPass) continue;
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+      return group[0]->kind == check.kind && group[0]->stated == check.stated && group[0]->verdict == check.verdict;
+    });
+    if (same == groups.end()) {
+      groups.push_back({&check});
+    } else {
+      same->push_back(&check);
+    }
+  }
+  for (auto& group : groups)
+    std::stable_sort(group.begin(), group.end(), [](const Check* a, const Check* b) { return Share(*a) > Share(*b); });
+  return groups;
+}
+
+std::string Card(const ScenarioResult& result, const std::vector<const Check*>& together, bool colour) {
+  const Check& worst = *together.front();
+  const char* const verdict = worst.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED";
+  std::string text = fmt::format("\n{} {}: {}\n  value  {}\n", Paint(Colour(worst.verdict), verdict, colour), result.id,
+                                 worst.name, Limit(worst));
+  if (!worst.explanation.empty()) text += fmt::format("  where  {}\n", worst.explanation);
+  if (!result.changes.empty()) text += fmt::format("  likely changed by --set: {}\n", fmt::join(result.changes, ", "));
+  for (std::size_t i = 1; i < together.size(); ++i)
+    text += fmt::format("  {}   {}: {}{}\n", i == 1 ? "also" : "    ", together[i]->name, Limit(*together[i]),
+                        together[i]->cause.empty() ? "" : "; " + together[i]->cause);
+  return text + fmt::format("  limit  {}\n", worst.origin);
+}
+
+}  // namespace
+
 std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<std::string, std::string>& again,
                     bool colour) {
   std::string text;
@@ -270,15 +308,7 @@ std::string ToCards(const std::vector<ScenarioResult>& results, const std::map<s
     } else if (result.checks.empty()) {
       text += fmt::format("\n{} {}: no check was made\n", Paint("1;31", "FAILED", colour), result.id);
     }
-    std::string last;  // one reason often serves many checks in a row
-    for (const Check& check : result.checks) {
-      if (check.verdict == Verdict::kPass) continue;
-      text += fmt::format(
-          "\n{} {}: {}\n  value  {}\n  where  {}\n  limit  {}\n",
-          Paint(Colour(check.verdict), check.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED", colour),
-          result.id, check.name, Limit(check), check.explanation, check.origin == last ? "as above" : check.origin);
-      last = check.origin;
-    }
+    for (const std::vector<const Check*>& together : NotPassed(result)) text += Card(result, together, colour);
     text += fmt::format("\n  again  {}\n", command);  // once for all cards of a scenario, as its notes
     for (const std::string& note : result.notes) text += fmt::format("  note   {}\n", note);
   }

@@ -23,6 +23,6 @@ struct EvidenceRecords {
 /// for a scenario without. Fails where records are missing, are given in vain, or a run breaks; faults of the nominal
 /// scenario and of the records go to `diagnostics` besides.
 Result<std::optional<diagnosis::ExtensionGain>> EvidenceFor(const Prepared& prepared, const EvidenceRecords& records,
-                                                       const Registry& registry, Diagnostics& diagnostics);
+                                                            const Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace dynoproof::app

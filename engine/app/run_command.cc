@@ -197,7 +197,10 @@ int Run(const RunArguments& arguments) {
       results.empty() ? std::nullopt : HorizonOf(results, *scenarios.front(), data);
   if (horizon) Print(arguments.common, horizon->ToText());
   Print(arguments.common, WhatIsLeft(results, arguments));
+  // A person at a terminal has the notes of what did not pass in its card; a log has them wherever else it looks.
+  const bool cards_seen = IsTerminal(STDOUT_FILENO) && IsTerminal(STDERR_FILENO);
   for (const ScenarioResult& result : results) {
+    if (cards_seen && result.verdict != score::Verdict::kPass) continue;
     for (const std::string& note : result.notes) Note(fmt::format("{}: {}\n", result.id, note));
   }
   if (!arguments.junit.empty()) exit = reports::WorseExit(exit, WriteText(arguments.junit, reports::ToJUnit(results)));

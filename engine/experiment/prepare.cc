@@ -1,6 +1,7 @@
 #include "experiment/prepare.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -161,6 +162,24 @@ bool GivesChecks(const std::string& change) {
   return change.starts_with("check") && change.find_first_not_of(" \t", 5) == change.find('=');
 }
 
+/// Each change by --set with what the scenario as written says: the first thing to suspect where a check fails.
+std::vector<std::string> ChangesOf(const std::string& file, const std::vector<std::string>& overrides) {
+  Diagnostics ignored;  // a scenario with a fault in it may be right with the change
+  const std::optional<Plan> written = LoadPlan(file, {}, ignored);
+  std::vector<std::string> changes;
+  for (const std::string& change : overrides) {
+    const std::size_t equals = change.find('=');
+    const std::string key = change.substr(0, equals);
+    const Value* const before = written ? written->root.FindPath(key) : nullptr;
+    const std::string text = before == nullptr ? "" : InlineToml(*before);
+    changes.push_back(fmt::format("{} = {} ({})", key, change.substr(std::min(equals, change.size() - 1) + 1),
+                                  before == nullptr   ? "not in the scenario as written"
+                                  : text.size() > 60U ? "otherwise as written"
+                                                      : text + " as written"));
+  }
+  return changes;
+}
+
 }  // namespace
 
 std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
@@ -180,7 +199,10 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
     prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");
   if (prepared != nullptr && !options.overrides.empty()) {
     prepared->checks_as_written = std::none_of(options.overrides.begin(), options.overrides.end(), GivesChecks);
-    prepared->notes.push_back("changed by --set; golden traces and stated limits belong to the scenario as written");
+    prepared->changes = ChangesOf(file, options.overrides);
+    prepared->notes.push_back(fmt::format(
+        "changed by --set: {}; {}stated limits belong to the scenario as written", fmt::join(prepared->changes, ", "),
+        std::filesystem::exists(prepared->golden.trace) ? "the golden trace and " : ""));
   }
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }

@@ -213,6 +213,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   result.id = prepared.plan.id;
   result.title = prepared.title;
   result.notes = prepared.notes;
+  result.changes = prepared.changes;
   if (!prepared.record_fault.empty()) return WithoutRecord(prepared, std::move(result));
   const auto broken = [&result](const Failure& failure) {
     result.verdict = score::Verdict::kBroken;

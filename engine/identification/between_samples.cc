@@ -49,7 +49,7 @@ std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registr
   for (const std::string& between : PossibleBetween(plan, record)) {
     const EstimationProblem problem(plan, {WithBetween(record, plan, between)}, registry);
     const Result<double> nrmse = NrmseOf(*FreeRunObjective(problem), problem.plan());
-    if (!nrmse.ok()) return {};
+    if (!nrmse.ok()) continue;  // a fit that needs it says why
     fits.push_back({between, *nrmse});
   }
   return fits;

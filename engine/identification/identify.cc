@@ -242,7 +242,8 @@ Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRec
   const auto guess = [&](const MappedRecord& record) { return !UnstatedInputs(plan, record).empty(); };
   const auto doubtful = std::find_if(data.begin(), data.end(), guess);
   if (!best.ok() || doubtful == data.end() || best->nrmse_after < kGood || PredictionWindow(plan)) return best;
-  const std::string first = doubtful->between.at(UnstatedInputs(plan, *doubtful).front());
+  const auto guessed = doubtful->between.find(UnstatedInputs(plan, *doubtful).front());
+  const std::string first = guessed == doubtful->between.end() ? "held" : guessed->second;
   Plan found = plan;
   for (const IdentifiedValue& one : best->values) *found.root.FindPath(one.key) = Value(one.value);
   if (IsClear(CompareBetween(found, registry, *doubtful), first)) return best;

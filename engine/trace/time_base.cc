@@ -151,7 +151,8 @@ std::optional<Grid> UniformGrid(const std::vector<double>& t, double resolution,
   for (std::size_t i = 0; i + 1 < t.size(); ++i) steps[i] = t[i + 1] - t[i];
   std::vector<double> sorted = steps;
   std::sort(sorted.begin(), sorted.end());
-  const double mean = t.back() / static_cast<double>(steps.size());
+  const auto last_row = static_cast<double>(steps.size());  // from the first row to the last, none missing
+  const double mean = t.back() / last_row;
   std::optional<Grid> grid = GridFrom(t, mean, true, most);
   for (const double usual : {sorted[sorted.size() / 2], sorted.front()}) {
     if (grid) break;
@@ -166,7 +167,18 @@ std::optional<Grid> UniformGrid(const std::vector<double>& t, double resolution,
     if (grid && grid->index.back() > 10.0 * static_cast<double>(t.size())) grid.reset();
   }
   if (!grid) return grid;
-  const PlainStep plain = Plain(t, grid->index, grid->step, most, unit_s);
+  PlainStep plain = Plain(t, grid->index, grid->step, most, unit_s);
+  // Stamps of few digits hide a lost row: behind it all stamps are a digit off a grid that misses none, which could as well be
+  // their rounding. A step as plain that goes through every stamp exactly and misses few rows is the likelier of the two.
+  constexpr double kFewMissing = 0.005;  // of the rows
+  if (grid->index.back() == last_row && Scatter(t, grid->index, plain.step) > 16.0 * UlpOf(largest)) {
+    const std::optional<Grid> holes = GridFrom(t, sorted[sorted.size() / 2], false, 16.0 * UlpOf(largest));
+    const double missing = holes ? holes->index.back() - last_row : 0.0;
+    if (missing > 0.0 && missing <= std::max(1.0, kFewMissing * last_row)) {
+      const PlainStep other = Plain(t, holes->index, holes->step, 16.0 * UlpOf(largest), unit_s);
+      if (other.digits <= plain.digits) grid = holes, plain = other;
+    }
+  }
   grid->step = plain.step;
   // Of the steps and rates of so many digits, some lie as near as that by chance.
   constexpr double kChance = 0.05;

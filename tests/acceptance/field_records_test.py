@@ -268,6 +268,28 @@ class FieldRecords(Steps):
         self.assertIn("taken as band_limited_held", self.notes(record))
         self.truth(self.identified(record), 1e-4)
 
+    def test_single_rows_of_an_analogue_input_that_were_lost(self):
+        """Stamps of three digits could hide the loss in a longer step, which would shift all that follows by a row. What the
+        input did is known from its neighbours."""
+        fine = Experiment(chirp(np.arange(6000) * 1e-4), 1e-4)
+        rows = fine.rows()[::10]
+        for lost in ([100], [320], [550], [200, 201], [150, 151, 400]):
+            with self.subTest(lost):
+                record = self.write("lost.csv", csv(np.delete(rows, lost, axis=0), stamp="{:.3f}"))
+                said = self.notes(record)
+                self.assertIn(f"{len(lost)} rows are missing of {len(rows)}", said)
+                self.assertIn("taken as band_limited_held", said)
+                self.truth(self.identified(record), 1e-3)
+
+    def test_a_gap_across_which_nothing_is_known(self):
+        """A fifth of a second of a chirp: every command says so, none breaks."""
+        fine = Experiment(chirp(np.arange(6000) * 1e-4), 1e-4)
+        record = self.write("gap.csv", csv(np.delete(fine.rows()[::10], slice(150, 350), axis=0), stamp="{:.3f}"))
+        self.assertIn("200 rows are missing of 600", self.notes(record))
+        said = self.shell(f"dynoproof identify line.toml --data {record} --free {KEYS}", exit=None)
+        self.assertIn(said.returncode, (0, 4), said.stderr)
+        self.assertIn("200 rows are missing of 600", said.stderr)
+
     def test_a_gain_is_no_shift(self):
         """A held input with a wrong gain stays held: the two causes give one misfit, and are told apart."""
         rows = held().rows()

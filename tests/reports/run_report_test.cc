@@ -29,6 +29,25 @@ ScenarioResult Result(const std::string& id, score::Verdict verdict, int checks,
   return result;
 }
 
+TEST(Cards, OneForAllSignalsThatOneComparisonFindsOff) {
+  ScenarioResult result = Result("s", score::Verdict::kFail, 3, "");
+  const char* const names[] = {"golden T", "golden w", "solvers w"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.checks[i].name = names[i];
+    result.checks[i].kind = i < 2 ? "tube" : "solvers";
+    result.checks[i].value = 2.0 + static_cast<double>(i), result.checks[i].limit = 1.0;
+  }
+  result.checks[0].cause = "gain 1.05";
+  result.changes = {"plant.inertia.I3 = 0.6 (0.5 as written)"};
+  const std::string text = ToCards({result}, {{"s", "dynoproof run s"}}, false);
+  EXPECT_THAT(text, HasSubstr("FAILED s: golden w\n"));
+  EXPECT_THAT(text, HasSubstr("also   golden T: "));
+  EXPECT_THAT(text, HasSubstr("; gain 1.05\n"));
+  EXPECT_THAT(text, HasSubstr("FAILED s: solvers w\n"));
+  EXPECT_THAT(text, Not(HasSubstr("FAILED s: golden T")));
+  EXPECT_THAT(text, HasSubstr("likely changed by --set: plant.inertia.I3 = 0.6 (0.5 as written)\n"));
+}
+
 TEST(Cards, TellTheValueInTheSignalsUnitWhereItIsKnown) {
   ScenarioResult result = Result("s", score::Verdict::kFail, 1, "");
   result.checks[0].value = 5.4e7;

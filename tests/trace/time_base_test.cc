@@ -83,6 +83,29 @@ TEST(TimeBase, RowsThatAreMissingAreCounted) {
   }
 }
 
+TEST(TimeBase, OneRowThatIsMissingUnderStampsOfFewDigits) {
+  for (const int missing : {1, 100, 500, 799, 1000, 1500, 1998}) {
+    std::vector<double> kept;
+    for (int i = 0; i < 2000; ++i) {
+      if (i != missing) kept.push_back(i / 1000.0);
+    }
+    const TimeBase base = TimeBaseOf(kept);
+    ASSERT_TRUE(base.uniform()) << missing;
+    EXPECT_DOUBLE_EQ(base.step_s, 1e-3);
+    EXPECT_EQ(base.dropped, 1U) << missing;
+    EXPECT_EQ(base.longest_gap_row, static_cast<std::size_t>(missing));
+    EXPECT_DOUBLE_EQ(base.time_s.back(), 1.999) << missing;
+  }
+  for (const double rate_hz : {960.0, 990.0, 1024.0}) {  // its rounding leaves steps of two digits, too
+    std::vector<double> stamps;
+    for (int i = 0; i < 2000; ++i) stamps.push_back(std::round(i * 1000.0 / rate_hz) / 1000.0);
+    const TimeBase base = TimeBaseOf(stamps);
+    ASSERT_TRUE(base.uniform()) << rate_hz;
+    EXPECT_NEAR(base.step_s, 1.0 / rate_hz, 1e-7);  // 2 s of three digits tell it to 2.5e-7
+    EXPECT_EQ(base.dropped, 0U) << rate_hz;
+  }
+}
+
 TEST(TimeBase, JitterIsNoGrid) {
   std::vector<double> stamps = Grid(1e-3, 500);
   for (std::size_t i = 1; i < stamps.size(); ++i) stamps[i] += 1e-4 * (RandomUniform(3, 4, i) - 0.5);
