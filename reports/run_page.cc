@@ -90,7 +90,7 @@ std::string LeadOf(const std::vector<const ScenarioResult*>& sorted) {
   const auto failed = std::count_if(worst.checks.begin(), worst.checks.end(),
                                     [](const Check& one) { return one.verdict != Verdict::kPass; });
   std::string why = check->cause.empty() ? check->explanation : "Likely cause: " + check->cause;
-  if (!worst.changes.empty()) why += fmt::format(". Changed by --set: {}", fmt::join(worst.changes, ", "));
+  if (!worst.changes.empty()) why += fmt::format(". Changed {}", fmt::join(worst.changes, "; "));
   return text + fmt::format("{}: {}. {}. {} of {} checks {}.", Escape(check->name), value, Escape(why), failed,
                             worst.checks.size(), failed == 1 ? "does not pass" : "do not pass");
 }

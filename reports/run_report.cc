@@ -287,7 +287,7 @@ std::string Card(const ScenarioResult& result, const std::vector<const Check*>& 
   std::string text = fmt::format("\n{} {}: {}\n  value  {}\n", Paint(Colour(worst.verdict), verdict, colour), result.id,
                                  worst.name, Limit(worst));
   if (!worst.explanation.empty()) text += fmt::format("  where  {}\n", worst.explanation);
-  if (!result.changes.empty()) text += fmt::format("  likely changed by --set: {}\n", fmt::join(result.changes, ", "));
+  if (!result.changes.empty()) text += fmt::format("  likely changed {}\n", fmt::join(result.changes, "; "));
   for (std::size_t i = 1; i < together.size(); ++i)
     text += fmt::format("  {}   {}: {}{}\n", i == 1 ? "also" : "    ", together[i]->name, Limit(*together[i]),
                         together[i]->cause.empty() ? "" : "; " + together[i]->cause);

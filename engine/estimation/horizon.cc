@@ -92,15 +92,18 @@ std::string Horizon::ToText() const {
       text += fmt::format("{:>24}", fmt::format("{:.3g} ({:.3g})", level.nrmse.at(name), level.by_noise.at(name)));
     text += level.at_noise ? "  noise\n" : "\n";
   }
-  text += "  of a run that the record corrects; in brackets: what the record's noise alone causes";
-  if (levels.back().at_noise) return text + "\n  the model predicts the whole record to its noise\n";
+  text +=
+      "  The run beside the record forgets its own errors after so long, because the record corrects it;\n"
+      "  in brackets: what the record's noise alone causes.";
+  if (levels.back().at_noise) return text + "\n  The model predicts the whole record to its noise.\n";
   if (horizon_s > 0.0)
     return text +
-           fmt::format("\n  the model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up\n",
+           fmt::format("\n  The model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up.\n",
                        horizon_s);
-  if (levels.size() == 1) return text + "\n  the model's free run is off\n";
+  if (levels.size() == 1) return text + "\n  The model's free run is off.\n";
   return text +
-         fmt::format("\n  the model is off within {:.3g} s: a force is missing or wrong\n", *levels.front().memory_s);
+         fmt::format("\n  The model is off within {:.3g} s: a number or a force of it is wrong, or one is missing.\n",
+                     *levels.front().memory_s);
 }
 
 void AddTo(nlohmann::json& document, const Horizon& horizon) {

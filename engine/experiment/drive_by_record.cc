@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/units.h"
+
 namespace dynoproof {
 namespace {
 
@@ -261,22 +263,36 @@ Plan StartingInto(const Plan& plan, std::size_t record) {
   return own;
 }
 
-std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
+std::optional<ForeignTime> ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
   // A scenario's duration and period are those of its experiment. A record that lasts hundreds of times as long, in steps
   // as much longer, is another one, or in milliseconds.
   constexpr double kForeign = 100.0;
   const double duration_s = plan.root.NumberOr("run.duration_s", 0.0);
   const double period_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
   const auto& signals = data.inputs.empty() ? data.outputs : data.inputs;
-  if (duration_s <= 0.0 || signals.empty()) return "";
+  if (duration_s <= 0.0 || signals.empty()) return std::nullopt;
   const Values& time = *signals.begin()->second.time;
   const double step_s = data.end_s / static_cast<double>(std::max<std::size_t>(2, time.size()) - 1);
   const bool slow = step_s > kForeign * period_s && data.end_s > kForeign * duration_s;
   const bool fast = step_s * kForeign < period_s && data.end_s * kForeign < duration_s;
-  if (!slow && !fast) return "";
-  return fmt::format(
-      "the record lasts {:.4g} s in steps of {:.3g} s, the scenario {:.4g} s in steps of {:g} s: is its time in {}?",
-      data.end_s, step_s, duration_s, period_s, slow ? "ms or us" : "minutes or hours");
+  if (!slow && !fast) return std::nullopt;
+  // The unit under which the record lasts as long as the scenario.
+  static constexpr std::pair<const char*, double> kUnits[] = {
+      {"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
+  const std::optional<Unit> read = ParseUnit(data.time_unit.empty() ? "s" : data.time_unit);
+  const double right = (read ? read->factor : 1.0) * duration_s / data.end_s;
+  const auto* const unit = std::min_element(std::begin(kUnits), std::end(kUnits), [&](const auto& a, const auto& b) {
+    return std::abs(std::log(a.second / right)) < std::abs(std::log(b.second / right));
+  });
+  const std::string way_out = data.time_column.empty()
+                                  ? std::string("say its clock in a map file (dynoproof describe map)")
+                                  : fmt::format("say it in a map file: time = {{ column = \"{}\", unit = \"{}\" }}",
+                                                data.time_column, unit->first);
+  return ForeignTime{
+      fmt::format("the record lasts {:.4g} s in steps of {:.3g} s, the scenario {:.4g} s in steps of {:g} s: "
+                  "its time was read in {}, is it in {}?",
+                  data.end_s, step_s, duration_s, period_s, data.time_unit.empty() ? "s" : data.time_unit, unit->first),
+      way_out};
 }
 
 }  // namespace dynoproof

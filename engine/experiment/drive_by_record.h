@@ -1,6 +1,7 @@
 // Brings a record onto the clock of a run: which period the run has, and what each input does in each of its periods.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,10 @@ std::string StartOfRecord(std::size_t record);
 /// The plan as it starts into one record: with what it holds for that one alone.
 Plan StartingInto(const Plan& plan, std::size_t record);
 
-/// Why the record has nothing to do with the time scales of the scenario, e.g. milliseconds taken as seconds; or "".
-std::string ForeignTimeScale(const MappedRecord& data, const Plan& plan);
+/// That the record has nothing to do with the time scales of the scenario, e.g. milliseconds taken as seconds.
+struct ForeignTime {
+  std::string what, way_out;
+};
+std::optional<ForeignTime> ForeignTimeScale(const MappedRecord& data, const Plan& plan);
 
 }  // namespace dynoproof

@@ -255,6 +255,7 @@ class Mapper {
       return std::nullopt;
     }
     unit_s = unit->factor;
+    result_.time_column = time->name, result_.time_unit = written;
     return Rows(time->values);
   }
 

@@ -19,6 +19,7 @@ namespace dynoproof {
 /// A record with names and units of a scenario.
 struct MappedRecord {
   std::string file;
+  std::string time_column, time_unit;  // of the stamps: its name, and the unit in which they were read
   /// By name of [input.NAME], [output.NAME]; SI. Instants [s] from the first one at which all inputs are known; inputs
   /// may have samples before it. Of a uniform base they are multiples of its step.
   std::map<std::string, Series> inputs, outputs;

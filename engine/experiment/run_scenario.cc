@@ -1,6 +1,7 @@
 #include "experiment/run_scenario.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -213,7 +214,8 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   result.id = prepared.plan.id;
   result.title = prepared.title;
   result.notes = prepared.notes;
-  result.changes = prepared.changes;
+  if (!prepared.changes.empty())
+    result.changes.push_back(fmt::format("by --set: {}", fmt::join(prepared.changes, ", ")));
   if (!prepared.record_fault.empty()) return WithoutRecord(prepared, std::move(result));
   const auto broken = [&result](const Failure& failure) {
     result.verdict = score::Verdict::kBroken;
@@ -238,10 +240,19 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
   } else if (result.checks.empty()) {
     result.notes.push_back("the scenario states no checks: nothing was compared");
   }
+  const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
+    return IsOfGolden(check) && check.verdict != score::Verdict::kPass;
+  });
+  if (fell_short && prepared.changes.empty()) {
+    constexpr std::size_t kSaid = 5;
+    std::vector<std::string> since = ChangedSinceBlessed(prepared.golden, prepared.plan);
+    const std::size_t more = since.size() - std::min(kSaid, since.size());
+    since.resize(since.size() - more);
+    if (!since.empty())
+      result.changes.push_back(fmt::format("since it was blessed: {}{}", fmt::join(since, ", "),
+                                           more > 0 ? fmt::format(" and {} more", more) : ""));
+  }
   if (!options.out.empty()) {
-    const bool fell_short = std::any_of(result.checks.begin(), result.checks.end(), [](const score::Check& check) {
-      return IsOfGolden(check) && check.verdict != score::Verdict::kPass;
-    });
     const Result<std::string> note = KeepGolden(prepared.golden, fell_short, base + ".h5", base + ".golden.h5");
     if (!note.ok()) return broken(note.failure());
     if (!note->empty()) result.notes.push_back(*note);

@@ -30,7 +30,8 @@ Reason Why(const score::Series& reference, const score::Series& test, double thr
   if (!cause.ok()) return {text, ""};
   // How much it explains, and what else would, stands in the text.
   const std::string named = cause.text.substr(0, cause.text.find(" (explains"));
-  return {text + "; likely cause: " + cause.text, cause.cause == score::Cause::kNone ? "" : named};
+  if (cause.cause == score::Cause::kNone) return {text + "; " + cause.text, ""};
+  return {text + "; likely cause: " + cause.text, named};
 }
 
 }  // namespace dynoproof

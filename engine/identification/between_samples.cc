@@ -75,10 +75,10 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
   std::string distances;
   for (const BetweenFit& fit : fits)
     distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
-  record.notes.push_back(
-      fmt::format("between their samples the inputs are taken as {}, which nobody says: the outputs are off the "
-                  "simulation by (NRMSE) {}{}; state it in a map: between = \"{}\"",
-                  taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
+  record.notes.push_back(fmt::format(
+      "between their samples the inputs are taken as {}, which neither file nor map says: the outputs are off the "
+      "simulation by (NRMSE) {}{}; state it in a map: between = \"{}\"",
+      taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
 }
 
 }  // namespace dynoproof::identification

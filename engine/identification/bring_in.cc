@@ -1,5 +1,6 @@
 #include "identification/bring_in.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,8 +12,8 @@
 namespace dynoproof::identification {
 
 bool BringIn(const Plan& plan, const Registry& registry, MappedRecord& record, Diagnostics& diagnostics) {
-  if (const std::string foreign = ForeignTimeScale(record, plan); !foreign.empty()) {
-    diagnostics.Error({record.file}, foreign, "say it in a map file: time = { column = \"t\", unit = \"ms\" }");
+  if (const std::optional<ForeignTime> foreign = ForeignTimeScale(record, plan)) {
+    diagnostics.Error({record.file}, foreign->what, foreign->way_out);
     return false;
   }
   record = OntoClock(std::move(record), plan);

@@ -260,10 +260,10 @@ Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRec
     if (fit->nrmse_after < kBetter * best->nrmse_after) best = std::move(fit), taken = between;
   }
   if (least > kBetter * most) return best;  // it makes no difference
-  best->notes.push_back(
-      fmt::format("nobody says what the inputs do between their samples; fitted, the outputs are off by (NRMSE) "
-                  "{}: {} is taken, state it in a map: between = \"{}\"",
-                  text, taken, taken));
+  best->notes.push_back(fmt::format(
+      "neither file nor map says what the inputs do between their samples; fitted, the outputs are off by (NRMSE) "
+      "{}: {} is taken, state it in a map: between = \"{}\"",
+      text, taken, taken));
   return best;
 }
 

@@ -377,6 +377,16 @@ std::string ToToml(const Value& root) {
   return out;
 }
 
+std::optional<Value> FromToml(const std::string& text) {
+  if (LineTooDeep(text)) return std::nullopt;
+  try {
+    Diagnostics ignored;
+    return Convert(toml::parse(text), "", ignored);
+  } catch (const toml::parse_error&) {
+    return std::nullopt;
+  }
+}
+
 Value ParseTomlValue(const std::string& text) {
   if (LineTooDeep("v = " + text)) return Value(text);
   try {

@@ -18,6 +18,8 @@ std::optional<Plan> LoadPlan(const std::string& file, const std::vector<std::str
 
 /// The plan as TOML: what is stored with a trace. Reading it back gives an equal tree.
 std::string ToToml(const Value& root);
+/// Reads back what ToToml() wrote; nothing where the text is no TOML.
+std::optional<Value> FromToml(const std::string& text);
 /// One value as it stands behind a key: floats with a point or an exponent, by the shortest text that reads back the
 /// same; texts in quotes, tables in braces.
 std::string InlineToml(const Value& value);

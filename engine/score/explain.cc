@@ -181,7 +181,9 @@ Explanation Explain(const Series& reference, const Series& test, const ExplainOp
     chosen = Choose(pair, candidates, options.least_explained);
   }
   if (chosen == nullptr) {
-    out.text = fmt::format("no simple cause explains {:.3g} % of the difference", 100.0 * options.least_explained);
+    out.text =
+        fmt::format("no single gain, shift, offset, start value or moved resonance explains {:.3g} % of the difference",
+                    100.0 * options.least_explained);
     return out;
   }
   Report(*chosen, candidates, out);

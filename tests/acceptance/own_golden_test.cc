@@ -56,6 +56,16 @@ TEST_F(OwnGolden, LiesBesideTheScenario) {
       bench_.Call({"run", (bench_ / "lines/mine.toml").string(), "--out", "out"}, {.folder = bench_ / "lines"});
   EXPECT_EQ(elsewhere.exit, 0) << elsewhere.Both();
 
+  // What was changed in the file since then is named, as a change by --set is.
+  const std::string as_blessed = ReadBytes(bench_ / "lines/mine.toml");
+  std::string other = as_blessed;
+  const std::size_t at = other.find("I3 = ");
+  ASSERT_NE(at, std::string::npos);
+  other.replace(at, other.find_first_of("\n,}", at) - at, "I3 = 0.4321");
+  bench_.Write("lines/mine.toml", other);
+  EXPECT_THAT(Run().out, HasSubstr("likely changed since it was blessed: plant.inertia.I3 = 0.4321 (was "));
+  bench_.Write("lines/mine.toml", as_blessed);
+
   const Outcome changed = Run({"--set", "plant.inertia.I3=0.501", "--html", "report.html"});
   EXPECT_EQ(changed.exit, 1) << changed.Both();
   EXPECT_THAT(changed.out, HasSubstr("dynoproof compare out/mine.golden.h5 out/mine.h5 --tolerance "

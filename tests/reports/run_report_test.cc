@@ -38,7 +38,7 @@ TEST(Cards, OneForAllSignalsThatOneComparisonFindsOff) {
     result.checks[i].value = 2.0 + static_cast<double>(i), result.checks[i].limit = 1.0;
   }
   result.checks[0].cause = "gain 1.05";
-  result.changes = {"plant.inertia.I3 = 0.6 (0.5 as written)"};
+  result.changes = {"by --set: plant.inertia.I3 = 0.6 (0.5 as written)"};
   const std::string text = ToCards({result}, {{"s", "dynoproof run s"}}, false);
   EXPECT_THAT(text, HasSubstr("FAILED s: golden w\n"));
   EXPECT_THAT(text, HasSubstr("also   golden T: "));

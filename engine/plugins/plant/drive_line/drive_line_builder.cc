@@ -73,7 +73,8 @@ class DriveLineBuilder {
     }
     for (const auto& [name, inertia] : params_.inertia) {
       if (bodies_.contains(name)) {
-        Fault(Where("inertia", name), fmt::format("\"{}\" is a rotor already", name), "rename one");
+        Fault(Where("inertia", name), fmt::format("\"{}\" is a rotor already", name),
+              fmt::format("its inertia is plant.rotor.{}.inertia_kg_m2; another body needs another name", name));
         continue;
       }
       bodies_[name] = {line_->linear_.size(), 1};
