@@ -159,7 +159,8 @@ int CheckData(const CheckArguments& arguments) {
                     {"at_s", finding.at_s},
                     {"nrmse", finding.nrmse ? nlohmann::json(*finding.nrmse) : nlohmann::json()}});
   }
-  if (horizon) text += horizon->ToText() + "\n";
+  if (horizon && faults == 0) text += horizon->ToText() + "\n";
+  if (horizon && faults > 0) text += "\nWhat the model gets wrong can be told when the faults are mended.\n\n";
   text += fmt::format("{}: {} columns, {} faults, {} notes{}\n", arguments.data, record->columns.size(), faults,
                       findings.size() - static_cast<std::size_t>(faults),
                       arguments.scenario.empty() ? ""
