@@ -12,6 +12,7 @@
 #include "base/within.h"
 #include "experiment/measured_record.h"
 #include "experiment/thin.h"
+#include "scenario/changes.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "trace/trace_io.h"
@@ -104,35 +105,6 @@ void AllowOtherSolver(double distance, const std::string& own, const std::string
                         other, distance, own, kRoom)
           : fmt::format("`{}` was {:.2g} of the nominal from `{}` when blessed: no more room than for the same solver",
                         other, distance, own);
-}
-
-/// A value as TOML, where it is short enough to be read in a sentence.
-std::string Shown(const Value* value) {
-  constexpr std::size_t kMost = 60;
-  if (value == nullptr) return "not there";
-  std::string text = InlineToml(*value);
-  return text.size() > kMost ? text.substr(0, kMost) + " ..." : text;
-}
-
-/// The values at which two trees differ, by their paths.
-void Differences(const Value& was, const Value& is, const std::string& path, std::vector<std::string>& found) {
-  if (!was.is_table() || !is.is_table()) {
-    const bool same =
-        was.is_number() && is.is_number() ? was.number() == is.number() : InlineToml(was) == InlineToml(is);
-    if (!same) found.push_back(fmt::format("{} = {} (was {})", path, Shown(&is), Shown(&was)));
-    return;
-  }
-  const std::string before = path.empty() ? "" : path + ".";
-  for (const Value::Entry& entry : is.table()) {
-    if (const Value* const old = was.Find(entry.key); old != nullptr)
-      Differences(*old, entry.value, before + entry.key, found);
-    else
-      found.push_back(fmt::format("{}{} = {} (was {})", before, entry.key, Shown(&entry.value), Shown(nullptr)));
-  }
-  for (const Value::Entry& entry : was.table()) {
-    if (is.Find(entry.key) == nullptr)
-      found.push_back(fmt::format("{}{} is gone (was {})", before, entry.key, Shown(&entry.value)));
-  }
 }
 
 }  // namespace
@@ -262,9 +234,7 @@ std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Pla
   if (!was) return {};
   Value is = plan.root;
   for (const char* key : {"title", "source", "check", "budget", "format"}) was->Erase(key), is.Erase(key);
-  std::vector<std::string> found;
-  Differences(*was, is, "", found);
-  return found;
+  return ChangesBetween(*was, is);
 }
 
 Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,

@@ -9,6 +9,7 @@
 
 #include "experiment/analysis.h"
 #include "experiment/drive_by_record.h"
+#include "scenario/changes.h"
 #include "scenario/load.h"
 
 namespace dynoproof {
@@ -162,22 +163,11 @@ bool GivesChecks(const std::string& change) {
   return change.starts_with("check") && change.find_first_not_of(" \t", 5) == change.find('=');
 }
 
-/// Each change by --set with what the scenario as written says: the first thing to suspect where a check fails.
-std::vector<std::string> ChangesOf(const std::string& file, const std::vector<std::string>& overrides) {
+/// What --set changes in a scenario: the first thing to suspect where a check fails.
+std::vector<std::string> ChangesBySet(const std::string& file, const Plan& plan) {
   Diagnostics ignored;  // a scenario with a fault in it may be right with the change
   const std::optional<Plan> written = LoadPlan(file, {}, ignored);
-  std::vector<std::string> changes;
-  for (const std::string& change : overrides) {
-    const std::size_t equals = change.find('=');
-    const std::string key = change.substr(0, equals);
-    const Value* const before = written ? written->root.FindPath(key) : nullptr;
-    const std::string text = before == nullptr ? "" : InlineToml(*before);
-    changes.push_back(fmt::format("{} = {} ({})", key, change.substr(std::min(equals, change.size() - 1) + 1),
-                                  before == nullptr   ? "not in the scenario as written"
-                                  : text.size() > 60U ? "otherwise as written"
-                                                      : text + " as written"));
-  }
-  return changes;
+  return written ? ChangesBetween(written->root, plan.root) : std::vector<std::string>();
 }
 
 }  // namespace
@@ -192,6 +182,8 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
                       "shorten the record: rows = [FIRST, LAST] in the map file");
   }
   if (!plan) return nullptr;
+  std::vector<std::string> changes;
+  if (!options.overrides.empty()) changes = ChangesBySet(file, *plan);
   const bool as_fitted = options.data != nullptr && StartAsFitted(*options.data, *plan, diagnostics);
   if (options.data != nullptr && !as_fitted) StartFromRecord(*options.data, registry, *plan);
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
@@ -199,10 +191,11 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
     prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");
   if (prepared != nullptr && !options.overrides.empty()) {
     prepared->checks_as_written = std::none_of(options.overrides.begin(), options.overrides.end(), GivesChecks);
-    prepared->changes = ChangesOf(file, options.overrides);
-    prepared->notes.push_back(fmt::format(
-        "changed by --set: {}; {}stated limits belong to the scenario as written", fmt::join(prepared->changes, ", "),
-        std::filesystem::exists(prepared->golden.trace) ? "the golden trace and " : ""));
+    prepared->changes = std::move(changes);
+    prepared->notes.push_back(
+        fmt::format("changed by --set: {}; {}stated limits belong to the scenario as written",
+                    prepared->changes.empty() ? "nothing" : fmt::format("{}", fmt::join(prepared->changes, ", ")),
+                    std::filesystem::exists(prepared->golden.trace) ? "the golden trace and " : ""));
   }
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }

@@ -22,7 +22,7 @@ struct Prepared {
   std::vector<std::unique_ptr<CheckPlan>> checks;
   std::shared_ptr<Records> records;
   std::vector<std::string> notes;    // what a reader of the result should know
-  std::vector<std::string> changes;  // by --set, "plant.inertia.I3 = 0.6 (0.5 as written)"
+  std::vector<std::string> changes;  // by --set, "plant.inertia.I3 = 0.6 (was 0.5)"
   const Registry* registry = nullptr;
   std::optional<RecordSettings> record;
   std::shared_ptr<const MappedRecord> data;  // of [record] file: drives the inputs it has

@@ -38,14 +38,14 @@ TEST(Cards, OneForAllSignalsThatOneComparisonFindsOff) {
     result.checks[i].value = 2.0 + static_cast<double>(i), result.checks[i].limit = 1.0;
   }
   result.checks[0].cause = "gain 1.05";
-  result.changes = {"by --set: plant.inertia.I3 = 0.6 (0.5 as written)"};
+  result.changes = {"by --set: plant.inertia.I3 = 0.6 (was 0.5)"};
   const std::string text = ToCards({result}, {{"s", "dynoproof run s"}}, false);
   EXPECT_THAT(text, HasSubstr("FAILED s: golden w\n"));
   EXPECT_THAT(text, HasSubstr("also   golden T: "));
   EXPECT_THAT(text, HasSubstr("; gain 1.05\n"));
   EXPECT_THAT(text, HasSubstr("FAILED s: solvers w\n"));
   EXPECT_THAT(text, Not(HasSubstr("FAILED s: golden T")));
-  EXPECT_THAT(text, HasSubstr("likely changed by --set: plant.inertia.I3 = 0.6 (0.5 as written)\n"));
+  EXPECT_THAT(text, HasSubstr("likely changed by --set: plant.inertia.I3 = 0.6 (was 0.5)\n"));
 }
 
 TEST(Cards, TellTheValueInTheSignalsUnitWhereItIsKnown) {

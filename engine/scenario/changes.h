@@ -1,0 +1,15 @@
+// In what two scenarios differ, for a person.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/value.h"
+
+namespace dynoproof {
+
+/// Each value in which two trees differ: "plant.inertia.I3 = 0.6 (was 0.5)", "plant.load is gone (was ...)". 2 and 2.0 are the
+/// same number.
+std::vector<std::string> ChangesBetween(const Value& was, const Value& is);
+
+}  // namespace dynoproof
