@@ -261,8 +261,8 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour) {
 
 namespace {
 
-/// The checks that did not pass, those of one verdict and kind of comparison together, the worst of each first: what one cause
-/// spoils it mostly spoils in many signals.
+/// The checks that did not pass, those of one verdict and kind of comparison together, the worst of each first: one cause
+/// mostly spoils many signals.
 std::vector<std::vector<const Check*>> NotPassed(const ScenarioResult& result) {
   std::vector<std::vector<const Check*>> groups;
   for (const Check& check : result.checks) {

@@ -68,9 +68,9 @@ Series BehindEvents(const Series& series) {
   return MakeSeries(std::move(time), std::move(values));
 }
 
-/// The series with the rows that its uniform base misses. In a short gap stand the values that make the sum of squares of all
-/// fourth differences least: of one row that is the polynomial through the four samples on either side, which for a course
-/// at a tenth of the sampling rate errs by 3e-4 of its amplitude. Longer gaps get a straight line: nothing is known there.
+/// The series with the rows that its uniform base misses. A short gap gets the values for which the sum of squares of
+/// all fourth differences is least. For one row that is the polynomial through four samples on either side, which errs by 3e-4 of
+/// the amplitude of a course at a tenth of the sampling rate. Longer gaps get a straight line: nothing is known there.
 Series WithoutGaps(const Series& series, double step_s) {
   constexpr int kOrder = 4;
   constexpr std::ptrdiff_t kShort = 10;

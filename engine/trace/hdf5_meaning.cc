@@ -83,8 +83,8 @@ bool OneLetterApart(std::string_view a, std::string_view b) {
   return a.size() < b.size() ? a == b.substr(1) : a.substr(1) == b;
 }
 
-/// The attribute that one is a slip of the pen or of a bit away from, of those that change what the numbers stand for.
-/// Short names are left out: by one letter they are other words.
+/// The attribute that changes what the numbers stand for and whose name this one has but for one letter. Short names are left
+/// out: one letter makes another word of them.
 const char* NearlyTheNameOf(std::string_view plain) {
   static constexpr const char* kNames[] = {"scale_factor", "add_offset", "_FillValue", "missing_value", "valid_range"};
   for (const char* const name : kNames) {
