@@ -7,8 +7,8 @@ RUNS is the folder of traces that `run` of all scenarios left, RUN.json what it 
 instructions (DYNOPROOF_CPU_CLASS) wrote with --json; ci/nightly.sh has them. Nothing is simulated anew. The comparisons
 with golden data that fail in a RUN.json are false failures, with the upper bound at 95 % that none in N leaves (3/N). Then
 BUILD/bench/comparer_rates alters the traces in known ways and counts what is seen. Prints both as tests/README.md has them;
---readme write puts them there and a sentence of them into README.md, --readme check holds what is there against them. Ends with 0; with 1 where a comparison
-failed falsely or the page says otherwise; with 2 where something could not run."""
+--readme write puts them there and a sentence of them into README.md, --readme check holds what is there against them. Ends
+with 0; with 1 where a comparison failed falsely or a page says otherwise; with 2 where something could not run."""
 import argparse
 import json
 import pathlib

@@ -76,6 +76,8 @@ Series WithoutGaps(const Series& series, double step_s) {
   constexpr std::ptrdiff_t kShort = 10;
   constexpr std::array<double, kOrder + 1> kDifference = {1.0, -4.0, 6.0, -4.0, 1.0};
   const Values &t = *series.time, &x = *series.values;
+  // A fit asks once a simulation, and most records have all their rows.
+  if (std::lround((t.back() - t.front()) / step_s) + 1 == static_cast<long>(t.size())) return series;
   Values time, values;
   std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> gaps;  // first row, how many
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -87,7 +89,6 @@ Series WithoutGaps(const Series& series, double step_s) {
     }
     time.push_back(t[i]), values.push_back(x[i]);
   }
-  if (gaps.empty()) return series;
   const auto rows = static_cast<std::ptrdiff_t>(values.size());
   for (const auto& [first, count] : gaps) {
     if (count > kShort) continue;

@@ -59,8 +59,8 @@ bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_f
 /// one of the tolerance file, is a failed check.
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run);
 
-/// What is simulated otherwise than when the golden trace was written: "plant.inertia.I4 = 0.1507 (was 0.137)", of each value
-/// that differs. What is only checked, timed or described is left out. Empty where there is no golden trace that can be read.
+/// Each value in which the plan differs from the scenario that the golden trace holds: "plant.inertia.I4 = 0.1507 (was 0.137)".
+/// Checks, budgets, title and source are not compared. Empty where there is no golden trace that can be read.
 std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Plan& plan);
 
 /// Whether a scenario with these StatedChecks() compares with its golden data.

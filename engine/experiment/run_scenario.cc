@@ -142,7 +142,7 @@ Result<Course> Play(const Prepared& prepared, const Progress& progress, bool tim
 
 namespace {
 
-/// What a run without its record ends with: there is nothing to run.
+/// The result of a scenario whose [record] cannot be read: one failed check, no run.
 ScenarioResult WithoutRecord(const Prepared& prepared, ScenarioResult result) {
   score::Check& check = result.checks.emplace_back();
   check.name = "record";
