@@ -4,6 +4,8 @@ that is empty, each row from where the one before it has left off.
 
   ci/waiting.py --json waiting.json          all rows; some two hours of CPU time
   ci/waiting.py all_scenarios reproduce      these alone, by the program of build/
+  ci/waiting.py --json ci/waiting.json gate  a row once more; the others stay in the file
+  ci/waiting.py --readme write               the table in ci/README.md, from ci/waiting.json; `check`: 1 where it is another
 
 The file is what `history add` keeps and `ci/nightly.sh` writes. Ends with 1 where a command fails."""
 import argparse
@@ -16,17 +18,20 @@ import sys
 import tempfile
 import time
 
+import block
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# Name, goal [CPU s], what it is; those of a person's own build come after those that begin from nothing.
+RESULTS = ROOT / "ci/waiting.json"
+# Name, CPU s as first measured, goal, what it is; those of a person's own build come after those that begin from nothing.
 ROWS = [
-    ("first_table", 360, "./ci/run.sh of one scenario from nothing, to its table"),
-    ("all_built", None, "everything else from there, the tests among it"),
-    ("after_a_header", 90, "everything once more after one line in model/component.h"),
-    ("after_a_law", 1, "the program once more after one line in a law"),
-    ("all_scenarios", 40, "run of all scenarios"),
-    ("reproduce", 5, "reproduce all"),
-    ("tests", 1800, "ci/test.sh from nothing"),
-    ("gate", 2160, ".ci/run from nothing"),
+    ("first_table", 1143, 360, "./ci/run.sh of one scenario from nothing, to its table"),
+    ("all_built", None, None, "everything else from there, the tests among it"),
+    ("after_a_header", 585, 90, "everything once more after one line in model/component.h"),
+    ("after_a_law", 1, 1, "the program once more after one line in a law"),
+    ("all_scenarios", 181, 40, "run of all scenarios"),
+    ("reproduce", 17, 5, "reproduce all"),
+    ("tests", 3000, 1800, "ci/test.sh from nothing"),
+    ("gate", 3240, 2160, ".ci/run from nothing"),
 ]
 
 
@@ -61,7 +66,7 @@ class Waiting:
         one_more = any(name in names for name in ("after_a_header", "after_a_law"))
         named = set(names) | ({"first_table", "all_built"} if one_more or "all_built" in names else set())
         tree = self.clone("tree") if "first_table" in named else ROOT
-        for name in [name for name, _, _ in ROWS if name in named]:
+        for name in [name for name, *_ in ROWS if name in named]:
             if name == "after_a_header":
                 self.touch(tree / "engine/model/component.h")
             if name == "after_a_law":
@@ -88,27 +93,51 @@ class Waiting:
         }[name]
 
 
+def kept(file):
+    """Rows of a file that was written before, by name: a row is measured alone where only it has changed."""
+    if not file.exists():
+        return {}
+    return {one["name"].removeprefix("waiting/"): one for one in json.loads(file.read_text())["benchmarks"]}
+
+
+def table():
+    def cell(value):
+        return "" if value is None else f"{value:.0f}" if value >= 20 else f"{value:.3g}"
+
+    figures = kept(RESULTS)
+    lines = ["| what a person waits for | first, CPU s | now, CPU s | s on two cores | goal, CPU s |", "|---|---|---|---|---|"]
+    for name, first, goal, what in ROWS:
+        figure = figures.get(name, {})
+        lines.append(f"| {what} | {cell(first)} | {cell(figure.get('cpu_time'))} | {cell(figure.get('real_time'))} | {cell(goal)} |")
+    return lines
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("rows", nargs="*", metavar="ROW", help="of " + ", ".join(name for name, _, _ in ROWS))
+    parser.add_argument("rows", nargs="*", metavar="ROW", help="of " + ", ".join(name for name, *_ in ROWS))
     parser.add_argument("--json", type=pathlib.Path, help="write the figures as a benchmark's")
+    parser.add_argument("--readme", choices=["check", "write"])
     options = parser.parse_args()
-    names = options.rows or [name for name, _, _ in ROWS]
-    unknown = sorted(set(names) - {name for name, _, _ in ROWS})
+    if options.readme == "write":
+        return block.write("ci/README.md", "waiting", table())
+    if options.readme == "check":
+        return "ci/README.md says otherwise: ci/waiting.py --readme write" if block.read("ci/README.md", "waiting") != table() else None
+    names = options.rows or [name for name, *_ in ROWS]
+    unknown = sorted(set(names) - {name for name, *_ in ROWS})
     if unknown:
         parser.error(f"there is no row {', '.join(unknown)}")
-    figures = []
+    figures = kept(options.json) if options.json else {}
     with tempfile.TemporaryDirectory(prefix="waiting-") as folder:
         print(f"{'':16} {'CPU s':>8} {'goal':>6} {'s':>8}")
         for name, cpu, wall in Waiting(pathlib.Path(folder)).measure(names):
-            goal, what = next((goal, what) for row, goal, what in ROWS if row == name)
+            goal, what = next((goal, what) for row, _, goal, what in ROWS if row == name)
             print(f"{name:16} {cpu:8.1f} {'' if goal is None else goal:>6} {wall:8.1f}  {what}", flush=True)
-            figures.append({"name": f"waiting/{name}", "run_type": "iteration", "iterations": 1, "cpu_time": cpu,
-                            "real_time": wall, "time_unit": "s"})
+            figures[name] = {"name": f"waiting/{name}", "run_type": "iteration", "iterations": 1, "cpu_time": cpu,
+                             "real_time": wall, "time_unit": "s"}
             if options.json:  # as it comes: a night may be cut off
-                options.json.write_text(json.dumps({"context": {"executable": "ci/waiting.py"}, "benchmarks": figures},
-                                                   indent=1) + "\n")
+                options.json.write_text(json.dumps({"context": {"executable": "ci/waiting.py"},
+                                                    "benchmarks": list(figures.values())}, indent=1) + "\n")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

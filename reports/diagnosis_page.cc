@@ -20,11 +20,12 @@ std::string Spans(const std::vector<std::pair<double, double>>& spans, const cha
   return text.empty() ? none : text + " " + unit;
 }
 
-/// "inertia_change at inertia:I3, delta 0.100 (95 %: 0.099 ... 0.101)", of each cause; empty without one.
+/// "inertia_change at inertia:I3, inertia = nominal (1 + delta), delta 0.100 (95 %: 0.099 ... 0.101)", of each cause; empty
+/// without one.
 std::string WithNumbers(const Diagnosis& d) {
   std::string text;
   for (const diagnosis::FoundEffect& effect : d.effects) {
-    text += fmt::format("{}{} at {}", text.empty() ? "" : "; ", effect.name, effect.at);
+    text += fmt::format("{}{} at {}, {}", text.empty() ? "" : "; ", effect.name, effect.at, effect.law);
     for (const diagnosis::FoundParameter& one : effect.parameters) {
       text += fmt::format(", {} {}{}{} (95 %: {} ... {})", one.name, one.Text(one.value), one.unit == "1" ? "" : " ",
                           one.unit == "1" ? "" : one.unit, one.Text(one.lower), one.Text(one.upper));
@@ -43,19 +44,27 @@ std::string Spoken(const Diagnosis& d) {
   return text.empty() ? verdict : fmt::format("{}, {}", verdict, text);
 }
 
+std::string Confidence(const diagnosis::FoundEffect& effect) {
+  return effect.confidence ? fmt::format("{:.1f} %", 100.0 * *effect.confidence) : "not calibrated";
+}
+
 std::string Causes(const Diagnosis& d) {
   if (d.effects.empty()) return "";
   std::string rows;
   for (const diagnosis::FoundEffect& effect : d.effects) {
-    for (const diagnosis::FoundParameter& parameter : effect.parameters) {
+    // An effect without a number is a row as well.
+    if (effect.parameters.empty())
       rows += Row(std::vector<Cell>{
-          {Escape(effect.name), "key"},
-          {Escape(effect.at)},
-          {effect.confidence ? fmt::format("{:.1f} %", 100.0 * *effect.confidence) : "not calibrated", "number"},
-          {Escape(parameter.name)},
-          {parameter.Text(parameter.value), "number"},
-          {parameter.Text(parameter.lower) + " ... " + parameter.Text(parameter.upper), "number"},
-          {Unit(parameter.unit)}});
+          {Escape(effect.name), "key"}, {Escape(effect.at)}, {Confidence(effect), "number"}, {""}, {""}, {""}, {""}});
+    for (const diagnosis::FoundParameter& parameter : effect.parameters) {
+      rows +=
+          Row(std::vector<Cell>{{Escape(effect.name), "key"},
+                                {Escape(effect.at)},
+                                {Confidence(effect), "number"},
+                                {Escape(parameter.name)},
+                                {parameter.Text(parameter.value), "number"},
+                                {parameter.Text(parameter.lower) + " ... " + parameter.Text(parameter.upper), "number"},
+                                {Unit(parameter.unit)}});
     }
   }
   return "<h2>Cause</h2>\n" + Table(std::vector<Cell>{{"effect"},

@@ -45,8 +45,8 @@ int Failed(const ScenarioResult& result) {
 std::string Limit(const Check& check) {
   if (!check.shown.empty()) return check.shown;
   const std::string unit = check.unit == "1" ? "" : " " + check.unit;
-  return fmt::format("{:.3g}{} ({} {:.3g}{})", check.value, unit, check.at_least ? "at least" : "limit", check.limit,
-                     unit);
+  const std::string value = std::isnan(check.value) ? "no number" : fmt::format("{:.3g}{}", check.value, unit);
+  return fmt::format("{} ({} {:.3g}{})", value, check.at_least ? "at least" : "limit", check.limit, unit);
 }
 
 /// A piece of Markdown inside a line or a table cell: no line breaks, no pipes, no HTML; a long one is cut short.
@@ -281,12 +281,24 @@ std::vector<std::vector<const Check*>> NotPassed(const ScenarioResult& result) {
   return groups;
 }
 
+/// The clauses of a sentence, a line each, below one another.
+std::string InLines(const std::string& label, const std::string& sentence) {
+  constexpr std::string_view kBetween = "; ";
+  std::string text;
+  for (std::size_t from = 0; from < sentence.size();) {
+    const std::size_t end = std::min(sentence.find(kBetween, from), sentence.size());
+    text += (text.empty() ? label : std::string(label.size(), ' ')) + sentence.substr(from, end - from) + "\n";
+    from = end + kBetween.size();
+  }
+  return text;
+}
+
 std::string Card(const ScenarioResult& result, const std::vector<const Check*>& together, bool colour) {
   const Check& worst = *together.front();
   const char* const verdict = worst.verdict == Verdict::kInconclusive ? "UNDECIDED" : "FAILED";
   std::string text = fmt::format("\n{} {}: {}\n  value  {}\n", Paint(Colour(worst.verdict), verdict, colour), result.id,
                                  worst.name, Limit(worst));
-  if (!worst.explanation.empty()) text += fmt::format("  where  {}\n", worst.explanation);
+  text += InLines("  where  ", worst.explanation);
   if (!result.changes.empty()) text += fmt::format("  likely changed {}\n", fmt::join(result.changes, "; "));
   for (std::size_t i = 1; i < together.size(); ++i)
     text += fmt::format("  {}   {}: {}{}\n", i == 1 ? "also" : "    ", together[i]->name, Limit(*together[i]),

@@ -57,6 +57,12 @@ bool CanWrite(const std::vector<std::string>& files) {
   return good;
 }
 
+CLI::Validator NamesFile() {
+  return {
+      [](const std::string& file) { return file == "-" ? "stdout is for tables, and for --json -; name a file" : ""; },
+      ""};
+}
+
 bool IsTerminal(int descriptor) { return isatty(descriptor) == 1; }
 
 bool ColourOn(int descriptor) {

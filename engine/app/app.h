@@ -27,6 +27,8 @@ void Print(const Common& common, const std::string& text);
 int WriteText(const std::string& file, const std::string& text);
 /// The same for a report page; says on stderr when its pictures are drawn without uPlot.
 int WriteHtml(const std::string& file, const std::string& page);
+/// For options that name a file to be written: "-" is none. Only --json may go to stdout, where tables are.
+CLI::Validator NamesFile();
 /// Whether files can be made in the folder (made if missing), and in the folder of a file: found out before hours of
 /// work. An empty file name asks for nothing and is fine; complaints go to stderr.
 bool Writable(const std::string& folder);

@@ -133,7 +133,8 @@ void AddBench(CLI::App& program, int& exit) {
       ->allow_extra_args(false);
   command->add_flag("--paced", arguments->options.paced, "one period every period of real time; overruns are counted");
   command->add_flag("--realtime-priority", arguments->options.realtime_priority, "ask for SCHED_FIFO");
-  command->add_option("--html", arguments->html, "write a page: verdict, limits, and how many periods took longer");
+  command->add_option("--html", arguments->html, "write a page: verdict, limits, and how many periods took longer")
+      ->check(NamesFile());
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof bench suppression/adaptive --html out/bench.html\n"

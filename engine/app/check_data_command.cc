@@ -107,7 +107,7 @@ int CheckData(const CheckArguments& arguments) {
     const std::vector<std::string> maps =
         arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
     Diagnostics loading;
-    const std::optional<MeasuredCase> measured =
+    std::optional<MeasuredCase> measured =
         LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, *registry, loading);
     // A used column with cells that are no numbers is told by the finding, with all others.
     const bool told = !measured && std::any_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
@@ -115,6 +115,7 @@ int CheckData(const CheckArguments& arguments) {
     });
     if (!told) diagnostics.Append(loading);
     if (measured) {
+      StartAt(BeginAsRecorded(measured->plan, *registry, measured->data.front()), measured->plan);
       for (const std::string& note : measured->data.front().notes) Note(note + "\n");
       // The mapper has spoken of cells without a number.
       std::erase_if(findings, [](const diagnosis::Finding& f) { return f.kind == "not_finite"; });

@@ -123,7 +123,7 @@ void AddDiagnose(CLI::App& program, int& exit) {
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
   command->add_option("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
-  command->add_option("--html", arguments->html, "write a page that shows all of it");
+  command->add_option("--html", arguments->html, "write a page that shows all of it")->check(NamesFile());
   command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
   command->add_flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
   command

@@ -1,5 +1,6 @@
 // dynoproof export
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -84,6 +85,11 @@ int Export(const ExportArguments& arguments) {
     rasters[r].front().name = "time";
     failed = trace::WriteCsv(file, rasters[r]);
     files.push_back(file.string());
+    if (rasters.size() > 1 && !failed) {
+      Note(
+          fmt::format("{}: {} rows of {}\n", file.string(), rasters[r].front().values.size(),
+                      fmt::join(rasters[r] | std::views::drop(1) | std::views::transform(&trace::Column::name), ", ")));
+    }
   }
   if (failed) {
     Complain(failed->ToString() + "\n");
@@ -102,7 +108,7 @@ void AddExport(CLI::App& program, int& exit) {
   command->add_option("trace", arguments->trace, "HDF5, CSV or MAT file")->required();
   command->add_option("--to", arguments->to, "csv (a file a raster) or mat (version 4)")
       ->check(CLI::IsMember({"csv", "mat"}));
-  command->add_option("--out", arguments->out, "file (default: the trace's name, here)");
+  command->add_option("--out", arguments->out, "file (default: the trace's name, here)")->check(NamesFile());
   command->add_option("--signals", arguments->signals, "NAME,...: these only")->delimiter(',')->allow_extra_args(false);
   command->add_option("--every", arguments->every, "every n-th row")->check(CLI::Range(1, 1000000));
   AddCommon(*command, arguments->common);

@@ -232,7 +232,7 @@ void AddWatch(CLI::App& command, HistoryArguments& arguments) {
   command.add_option("--alpha", arguments.watch.alpha, "chance of one false finding among all times")
       ->check(CLI::Range(1e-6, 0.5))
       ->capture_default_str();
-  command.add_option("--html", arguments.html, "write the trend page");
+  command.add_option("--html", arguments.html, "write the trend page")->check(NamesFile());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "experiment/prepare.h"
 #include "experiment/record_map.h"
 #include "experiment/warnings.h"
+#include "scenario/changes.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 
@@ -195,6 +196,9 @@ std::string DescribeScenario(const Registry& registry, const std::string& file, 
     for (const Port& port : block.component->layout().outputs)
       text += fmt::format("  {}.{} [{}]\n", block.name, port.name, port.unit);
   }
+  const std::vector<std::string> values = StatedValues(prepared->plan.root);
+  text += "\nvalues, as --set takes them\n";
+  for (const std::string& value : values) text += "  " + value + "\n";
   text += "\nplaces of effects\n";
   nlohmann::json places = nlohmann::json::object();
   for (const Effect* effect : registry.Effects()) {
@@ -214,6 +218,7 @@ std::string DescribeScenario(const Registry& registry, const std::string& file, 
                                    {"title", prepared->title},
                                    {"inputs", lines(prepared->rig->inputs)},
                                    {"outputs", lines(prepared->rig->outputs)},
+                                   {"values", values},
                                    {"places", places}});
   return text;
 }

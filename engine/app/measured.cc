@@ -4,6 +4,7 @@
 
 #include "experiment/prepare.h"
 #include "identification/bring_in.h"
+#include "identification/start.h"
 #include "model/effect.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -48,6 +49,17 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
     for (MappedRecord& record : result.data) record.in_motion = true;
   }
   return result;
+}
+
+Start BeginAsRecorded(const Plan& plan, const Registry& registry, MappedRecord& record) {
+  const Result<Start> start = identification::StartOf(plan, record, registry);
+  if (!start.ok()) {
+    record.notes.push_back("where it begins is not found: " + start.failure().ToString());
+    return {};
+  }
+  if (start->empty()) return {};
+  record.notes.push_back("the run starts where the record does: " + identification::ToText(*start));
+  return *start;
 }
 
 }  // namespace dynoproof::app

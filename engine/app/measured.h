@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/app.h"
+#include "experiment/prepare.h"
 #include "experiment/records.h"
 #include "model/plan.h"
 
@@ -26,6 +27,9 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
                                          const std::vector<std::string>& maps, const std::vector<std::string>& holdout,
                                          const std::vector<std::string>& overrides, const Registry& registry,
                                          Diagnostics& diagnostics);
+
+/// The start of a record that begins in motion, for a run of it; its notes say it. Empty where it does not, or none is found.
+Start BeginAsRecorded(const Plan& plan, const Registry& registry, MappedRecord& record);
 
 /// The commands themselves.
 void AddCheckData(CLI::App& program, int& exit);

@@ -11,6 +11,7 @@
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "app/measured.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "estimation/horizon.h"
@@ -49,13 +50,36 @@ std::string Again(const RunArguments& arguments, const std::string& file) {
   return text;
 }
 
+/// What a scenario that passes was compared with. Two solvers integrate the same model, and agree where it is wrong.
+std::string ComparedWith(const ScenarioResult& result, const Registry& registry) {
+  std::map<std::string, int> with;
+  for (const score::Check& check : result.checks) {
+    const CheckKind* kind = registry.FindCheck(check.stated);
+    const bool solvers = kind != nullptr && kind->compares_solvers;
+    ++with[solvers                    ? "a second solver"
+           : check.stated == "golden" ? "a golden trace"
+           : check.stated == "record" ? "a measured record"
+           : check.stated == "oracle" ? "an independent method"
+                                      : "stated limits"];
+  }
+  if (with.size() == 1 && with.contains("a second solver"))
+    return "compared with: a second solver alone, so the model itself is not judged; `bless` keeps a golden trace, "
+           "--data "
+           "compares with a record\n";
+  std::string text;
+  for (const auto& [what, checks] : with) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, checks);
+  return "compared with: " + text + "\n";
+}
+
 /// Where the traces and the page are.
-std::string WhatIsLeft(const std::vector<ScenarioResult>& results, const RunArguments& arguments) {
+std::string WhatIsLeft(const std::vector<ScenarioResult>& results, const RunArguments& arguments,
+                       const Registry& registry) {
   std::vector<std::string> traces;
   for (const ScenarioResult& result : results) {
     if (!result.trace_file.empty()) traces.push_back(result.trace_file);
   }
   std::string text = "\n";
+  if (results.size() == 1 && results[0].verdict == score::Verdict::kPass) text += ComparedWith(results[0], registry);
   if (traces.size() == 1) text += "trace: " + traces.front() + "\n";
   if (traces.size() > 1) text += fmt::format("traces: {} in {}/, as ID.h5\n", traces.size(), arguments.out);
   return text + "page: " + (arguments.html.empty() ? "none, --html FILE writes one" : arguments.html) + "\n";
@@ -175,6 +199,7 @@ int Run(const RunArguments& arguments) {
     data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
     if (data && identification::BringIn(scenarios[0]->plan, *registry, *data, diagnostics)) {
       options.data = &*data;
+      options.start = BeginAsRecorded(scenarios[0]->plan, *registry, *data);
       scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
     }
   }
@@ -196,7 +221,7 @@ int Run(const RunArguments& arguments) {
   const std::optional<estimation::Horizon> horizon =
       results.empty() ? std::nullopt : HorizonOf(results, *scenarios.front(), data);
   if (horizon) Print(arguments.common, horizon->ToText());
-  Print(arguments.common, WhatIsLeft(results, arguments));
+  Print(arguments.common, WhatIsLeft(results, arguments, *registry));
   // A person at a terminal has the notes of what did not pass in its card; a log has them wherever else it looks.
   const bool cards_seen = IsTerminal(STDOUT_FILENO) && IsTerminal(STDERR_FILENO);
   for (const ScenarioResult& result : results) {
@@ -227,9 +252,10 @@ void AddRun(CLI::App& program, int& exit) {
   command->add_option("--out", arguments->out, "folder of traces (default out)");
   command->add_option("--golden", arguments->golden,
                       "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
-  command->add_option("--junit", arguments->junit, "write JUnit XML");
-  command->add_option("--markdown", arguments->markdown, "write a Markdown summary");
-  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
+  command->add_option("--junit", arguments->junit, "write JUnit XML")->check(NamesFile());
+  command->add_option("--markdown", arguments->markdown, "write a Markdown summary")->check(NamesFile());
+  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network")
+      ->check(NamesFile());
   command->add_option("--data", arguments->data,
                       "drive the inputs with this record (CSV, HDF5, MAT) and compare its outputs");
   command

@@ -362,7 +362,8 @@ void AddSweep(CLI::App& program, int& exit) {
   command->add_option("--out", arguments->out, "results go to a folder named after the campaign in here (default out)");
   command->add_flag("--resume", arguments->resume, "make only what is missing there");
   command->add_option("--run", arguments->run, "make this run alone and show it")->check(CLI::NonNegativeNumber);
-  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network");
+  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network")
+      ->check(NamesFile());
   // What an array task is called with.
   command->add_option("--task", arguments->task)->group("");
   command->add_option("--number", arguments->number)->group("");

@@ -28,6 +28,7 @@ struct FoundParameter {
 };
 struct FoundEffect {
   std::string name, at;
+  std::string law;                   // "stiffness = nominal (1 + delta)"
   std::optional<double> confidence;  // against the other candidates, from the evidence; nothing: not calibrated
   std::vector<FoundParameter> parameters;
 };

@@ -96,6 +96,7 @@ json ToJson(const Diagnosis& d) {
       parameters[p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", {p.lower, p.upper}}};
     out["effects"].push_back({{"name", effect.name},
                               {"at", effect.at},
+                              {"law", effect.law},
                               {"confidence", OrNull(effect.confidence)},
                               {"parameters", parameters}});
   }
@@ -128,7 +129,7 @@ json ToJson(const Diagnosis& d) {
 std::string ToTable(const Diagnosis& d) {
   std::string text = fmt::format("{}: {}\n", ToString(d.verdict), d.reason);
   for (const FoundEffect& effect : d.effects) {
-    text += fmt::format("\n  {} at {}{}\n", effect.name, effect.at,
+    text += fmt::format("\n  {} at {}: {}{}\n", effect.name, effect.at, effect.law,
                         effect.confidence ? fmt::format("  (confidence {:.3f})", *effect.confidence) : "");
     for (const FoundParameter& p : effect.parameters)
       text += fmt::format("    {:<14}{:>14} {:<14} 95 %: {} ... {}\n", p.name, p.Text(p.value), p.unit, p.Text(p.lower),

@@ -42,6 +42,7 @@ Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const R
   if (!model.ok()) return model.failure();
   const auto known = std::make_shared<mechanics::Decompositions>();
   Horizon horizon;
+  horizon.in_motion = record.in_motion;
   for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.noise / channel.spread;
   const auto look = [&](const Predictor& predictor) -> Result<HorizonLevel> {
     const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
@@ -98,9 +99,11 @@ std::string Horizon::ToText() const {
   if (levels.back().at_noise) return text + "\n  The model predicts the whole record to its noise.\n";
   if (horizon_s > 0.0)
     return text +
-           fmt::format("\n  The model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up.\n",
-                       horizon_s);
-  if (levels.size() == 1) return text + "\n  The model's free run is off.\n";
+           fmt::format("\n  The model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up{}.\n",
+                       horizon_s, in_motion ? ", or the record starts otherwise" : "");
+  if (levels.size() == 1)
+    return text + (in_motion ? "\n  The model's free run is off, or starts otherwise than the record.\n"
+                             : "\n  The model's free run is off.\n");
   return text +
          fmt::format("\n  The model is off within {:.3g} s: a number or a force of it is wrong, or one is missing.\n",
                      *levels.front().memory_s);

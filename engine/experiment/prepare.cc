@@ -131,6 +131,14 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
 }
 
+void StartAt(const Start& start, Plan& plan) {
+  for (const auto& [path, number] : start) {
+    const std::size_t dot = path.rfind('.');
+    if (Value* table = plan.root.FindPath(path.substr(0, dot)); table != nullptr && table->is_table())
+      (*table)[path.substr(dot + 1)] = Value(number);
+  }
+}
+
 namespace {
 
 /// [extension] start: "KEY=NUMBER", the state that was fitted along to the records of [extension] data. It belongs to
@@ -185,7 +193,10 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
   std::vector<std::string> changes;
   if (!options.overrides.empty()) changes = ChangesBySet(file, *plan);
   const bool as_fitted = options.data != nullptr && StartAsFitted(*options.data, *plan, diagnostics);
-  if (options.data != nullptr && !as_fitted) StartFromRecord(*options.data, registry, *plan);
+  if (options.data != nullptr && !as_fitted) {
+    StartFromRecord(*options.data, registry, *plan);
+    StartAt(options.start, *plan);
+  }
   std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), options, registry, diagnostics);
   if (prepared != nullptr && as_fitted)
     prepared->notes.push_back("starts as the diagnosis of this record found it: [extension] start");

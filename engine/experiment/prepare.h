@@ -2,6 +2,7 @@
 // fault of all of these is found before anything runs.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@
 #include "sim/rig.h"
 
 namespace dynoproof {
+
+/// The state that a run starts from, over what the scenario says: "plant.shaft.k1.initial_twist_rad" and its value.
+using Start = std::map<std::string, double>;
 
 struct Prepared {
   Plan plan;  // effects applied
@@ -43,6 +47,7 @@ struct PrepareOptions {
   std::string solver;                  // --solver; empty: the scenario's own
   const MappedRecord* data = nullptr;  // --data: drives the inputs it has
   std::string golden = {};             // --golden: folder of golden data; empty: where they stand
+  Start start = {};                    // of the run with `data`, where nothing else says one
 };
 
 /// Null when there was any error.
@@ -56,5 +61,6 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
 /// The plan's plant starts where the first samples of a record say, when these say otherwise than the plan, in the
 /// values that it declares as measured.
 void StartFromRecord(const MappedRecord& data, const Registry& registry, Plan& plan);
+void StartAt(const Start& start, Plan& plan);
 
 }  // namespace dynoproof

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "base/parallel.h"
@@ -97,6 +98,45 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
             values[k] + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
   }
   return plan;
+}
+
+Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  constexpr int kMostSteps = 8;
+  if (!record.in_motion || record.outputs.empty()) return Start();
+  const EstimationProblem problem(plan, {record}, registry);
+  const auto left = [&problem](const Plan& started) {
+    const Result<Eigen::VectorXd> predicted = problem.PredictPlan(started);
+    if (!predicted.ok()) return std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    for (const Channel& c : problem.channels())
+      sum += (problem.measured() - *predicted).segment(c.begin, c.count).squaredNorm() /
+             std::pow(std::max(c.spread, 1e-12 * c.nominal), 2);
+    return sum;
+  };
+  Plan best = plan;
+  double of_best = left(best);
+  for (int step = 0; step < kMostSteps; ++step) {
+    Result<Plan> next = FitStarts(problem, best);
+    if (!next.ok()) return next.failure();
+    const double of_next = left(*next);
+    const bool halves = of_next < 0.5 * of_best;
+    if (of_next < of_best) {
+      best = *std::move(next);
+      of_best = of_next;
+    }
+    if (!halves) break;
+  }
+  Start start;
+  for (const Nuisance& nuisance : problem.nuisances()) {
+    if (nuisance.start) start[nuisance.path] = Read(best, 0, nuisance.path);
+  }
+  return start;
+}
+
+std::string ToText(const Start& start) {
+  std::string text;
+  for (const auto& [path, value] : start) text += fmt::format("{}{} = {:.4g}", text.empty() ? "" : ", ", path, value);
+  return text;
 }
 
 }  // namespace dynoproof::identification

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/status.h"
+#include "experiment/prepare.h"
 #include "identification/estimation_problem.h"
 
 namespace dynoproof::identification {
@@ -20,5 +21,12 @@ inline constexpr double kStartShare = 0.1;
 /// `until` of the record, all else as it is. For a linear plant this is the optimum, else one step towards it. Fails
 /// where a run breaks.
 Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until = 1.0);
+
+/// The start of one record that is `in_motion`, for runs of it: FitStarts() once more while it halves what is left. Empty where
+/// the record begins as the plan does, or the plant declares no start. Fails where a run breaks.
+Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry);
+
+/// "plant.shaft.k1.initial_twist_rad = 0.00123, ...", for a note.
+std::string ToText(const Start& start);
 
 }  // namespace dynoproof::identification

@@ -36,7 +36,22 @@ void Differences(const Value& was, const Value& is, const std::string& path, std
   }
 }
 
+void Leaves(const Value& value, const std::string& path, std::vector<std::string>& found) {
+  if (!value.is_table()) {
+    found.push_back(fmt::format("{} = {}", path, Shown(&value)));
+    return;
+  }
+  for (const Value::Entry& entry : value.table())
+    Leaves(entry.value, path.empty() ? entry.key : path + "." + entry.key, found);
+}
+
 }  // namespace
+
+std::vector<std::string> StatedValues(const Value& tree) {
+  std::vector<std::string> found;
+  Leaves(tree, "", found);
+  return found;
+}
 
 std::vector<std::string> ChangesBetween(const Value& was, const Value& is) {
   std::vector<std::string> found;

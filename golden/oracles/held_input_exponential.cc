@@ -76,6 +76,7 @@ Line ReadLine(const Value& scenario, const std::vector<std::string>& inputs) {
   Line line;
   const Value& plant = Section(scenario, "plant");
   if (Number(plant, "initial_speed_rad_per_s", 0.0) != 0.0) line.fault = "the line turns at t = 0";
+  if (Number(plant, "initial_angle_rad", 0.0) != 0.0) line.fault = "the line is turned at t = 0";
   for (const auto& [name, rotor, where] : Section(plant, "rotor").table()) {
     const int slices = static_cast<int>(Number(rotor, "slices", 100));
     line.bodies[name] = {static_cast<int>(line.inertia.size()), static_cast<int>(line.inertia.size()) + slices - 1};

@@ -88,6 +88,7 @@ Line ReadLine(const Value& plant) {
                   NumberOr(shaft, "contact_free_damping_Nms_per_rad", 0)};
     }
   }
+  if (NumberOr(plant, "initial_angle_rad", 0.0) != 0.0) line.fault = "the line is turned at t = 0";
   const Gap& gap = line.gap;
   const bool plane = gap.law == "phase_plane" || gap.law == "dead_zone" || gap.law == "revised_dead_zone";
   if (!gap.with_state() && !plane) line.fault = fmt::format("no piecewise linear law with play (\"{}\")", gap.law);

@@ -179,7 +179,8 @@ void AddReproduce(CLI::App& program, int& exit) {
   CLI::App* command = program.add_subcommand(
       "reproduce", "the claims of the thesis: what it says, an independent value, ours, what is allowed, standing");
   command->add_option("claim", arguments->which, "a claim's id, or all");
-  command->add_option("--html", arguments->html, "write the atlas: claims and figures in one page without a network");
+  command->add_option("--html", arguments->html, "write the atlas: claims and figures in one page without a network")
+      ->check(NamesFile());
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof reproduce all\n  dynoproof reproduce all --html out/atlas.html\n  dynoproof reproduce "

@@ -129,6 +129,7 @@ std::span<T> Scratch(std::size_t size) {
 void DriveLine::Start(std::span<const double>, std::span<double> states, std::span<int> modes) const {
   const int n = linear_.size();
   for (int i = 1; i < n; ++i) states[i - 1] = initial_angles_[i];
+  states[n - 1] = initial_angles_[0];
   for (int i = 0; i < n; ++i) states[n + i] = initial_speeds_[i];
   for (const Element& element : elements_) {
     const LawView view = MakeView({0.0, {}, states, modes}, element, 0.0);

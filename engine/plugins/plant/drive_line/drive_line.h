@@ -56,19 +56,22 @@ class DriveLine : public Component {
     std::vector<std::pair<std::string, Value>> shaft, load;
     std::vector<std::pair<std::string, Torque>> torque;
     std::vector<std::pair<std::string, Run>> run;
-    double nominal_torque_Nm = 1000.0, initial_speed_rad_per_s = 0.0;
+    double nominal_torque_Nm = 1000.0, initial_speed_rad_per_s = 0.0, initial_angle_rad = 0.0;
     void Visit(auto& v) {
-      v.Optional("rotor", rotor, Any(), "soft rotors by name");
+      v.Optional("rotor", rotor, Any(),
+                 "soft rotors by name: inertia_kg_m2, stiffness_Nm_per_rad, damping_Nms_per_rad, slices (100)");
       v.Optional("inertia", inertia, Positive("kg m^2"), "lumped inertias by name");
       v.Optional("shaft", shaft, Any(),
                  "shafts by name: between = [a, b], law (spring_damper) and its parameters, initial_twist_rad, "
                  "initial_twist_rate_rad_per_s");
       v.Optional("load", load, Any(), "laws to the ground by name: on = inertia or rotor, law and its parameters");
-      v.Optional("torque", torque, Any(), "torque entries (inputs) by name");
-      v.Optional("run", run, Any(), "runs of lumps by name, places for distributed_inertia");
+      v.Optional("torque", torque, Any(),
+                 "torque entries (inputs) by name: on = [inertias, rotors], slices = [first, last], gain");
+      v.Optional("run", run, Any(), "runs of lumps by name: inertias = [...], places for distributed_inertia");
       v.Optional("nominal_torque_Nm", nominal_torque_Nm, Positive(), "usual shaft torque; scales solver tolerances");
       v.Optional("initial_speed_rad_per_s", initial_speed_rad_per_s, Any(),
                  "speed of the line at t = 0, of its first part where shafts have twist rates");
+      v.Optional("initial_angle_rad", initial_angle_rad, Any(), "angle of the line's first part at t = 0");
     }
   };
 
@@ -154,7 +157,7 @@ class DriveLine : public Component {
   std::vector<Element> elements_;  // those with linear states first; those that stick last: they hold what is left
   std::vector<std::vector<std::pair<int, double>>> inputs_;  // torque weights of each input
   std::vector<Reading> readings_;
-  std::vector<double> initial_angles_;  // of every node, relative to the first
+  std::vector<double> initial_angles_;  // of the first node, then of the others relative to it
   std::vector<double> initial_speeds_;
   mutable std::once_flag linear_part_made_;
   mutable std::unique_ptr<LinearPart> linear_part_;

@@ -387,6 +387,7 @@ class DriveLineBuilder {
         initial_twists_.push_back({i - 1, i, 0.0, 0.0, nullptr});
     }
     line_->initial_angles_ = FromDifferences(&InitialTwist::twist_rad, "initial_twist_rad");
+    line_->initial_angles_[0] = params_.initial_angle_rad;
     line_->initial_speeds_ = FromDifferences(&InitialTwist::rate_rad_per_s, "initial_twist_rate_rad_per_s");
     for (double& speed : line_->initial_speeds_) speed += params_.initial_speed_rad_per_s;
   }

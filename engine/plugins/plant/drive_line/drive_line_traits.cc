@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "plugins/plant/drive_line/drive_line.h"
@@ -11,11 +12,21 @@ namespace {
 // nobody calculates, within ten.
 constexpr double kInertiaSpread = 0.01, kStiffnessSpread = 0.01, kDampingSpread = 0.1, kGapSpread = 0.005;
 // A record may start while the line turns or is wound up: these priors only keep the normal equations regular.
-constexpr double kStartSpeed_rad_per_s = 100.0, kStartTorque_Nm = 1000.0;
+constexpr double kStartSpeed_rad_per_s = 100.0, kStartTorque_Nm = 1000.0, kStartAngle_rad = 100.0;
 
 std::vector<std::string> NamesIn(const Plan& plan, const char* section) {
   const Value* table = plan.root.FindPath(section);
   return table != nullptr ? KeysOf(*table) : std::vector<std::string>();
+}
+
+/// Whether an output is an angle. In all others the angle at which a line starts is not to be seen.
+bool ShowsAngle(const Plan& plan) {
+  const Value* outputs = plan.root.Find("output");
+  if (outputs == nullptr || !outputs->is_table()) return false;
+  return std::ranges::any_of(outputs->table(), [](const Value::Entry& entry) {
+    const Value* of = entry.value.Find("of");
+    return of != nullptr && of->is_string() && of->string().ends_with(".angle");
+  });
 }
 
 /// The number at a path that is there and not 0.
@@ -29,6 +40,10 @@ std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
   const double torque = NumberAt(plan, "plant.nominal_torque_Nm").value_or(kStartTorque_Nm);
   std::vector<NuisanceParameter> nuisances = {
       {"plant.initial_speed_rad_per_s", false, kStartSpeed_rad_per_s, "a record may start while the line turns", true}};
+  if (ShowsAngle(plan)) {
+    nuisances.push_back({"plant.initial_angle_rad", false, kStartAngle_rad,
+                         "a record may start at any angle of the encoder", true, true});
+  }
   for (const std::string& name : NamesIn(plan, "plant.inertia"))
     nuisances.push_back({"plant.inertia." + name, true, kInertiaSpread, "a drawing's mass and geometry"});
   for (const char* section : {"plant.rotor", "plant.shaft"}) {

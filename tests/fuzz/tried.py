@@ -2,10 +2,10 @@
 """What readers of files were tried with, as counted: results.json beside this script, and the table of it in
 tests/README.md.
 
-trust.py fuzz out/fuzz/runs     adds what ci/fuzz.sh has written there to what was counted before, and empties that file, so that
+tried.py fuzz out/fuzz/runs     adds what ci/fuzz.sh has written there to what was counted before, and empties that file, so that
                                 nothing counts twice; findings are those of the last time, for an earlier one is mended
-trust.py flips LOG              takes over what `DYNOPROOF_BIT_FLIPS=all trace_test --gtest_filter='BitFlips.*'` printed
-trust.py readme [--check]       writes the table into that page; --check: ends with 1 where it is another one"""
+tried.py flips LOG              takes over what `DYNOPROOF_BIT_FLIPS=all trace_test --gtest_filter='BitFlips.*'` printed
+tried.py readme [--check]       writes the table into that page; --check: ends with 1 where it is another one"""
 import json
 import pathlib
 import re
@@ -43,7 +43,7 @@ def take_flips(text):
                               test=test, reader=FORMATS[test][seen]))
             seen += 1
     if sorted(one["test"] for one in flips) != sorted(name for name, of in FORMATS.items() for _ in of):
-        sys.exit("trust: the log has not every format of BitFlips.*")
+        sys.exit("tried: the log has not every format of BitFlips.*")
     return flips
 
 
@@ -71,9 +71,9 @@ def main(arguments):
         if "--check" not in arguments:
             block.write(PAGE, "fuzz", table(results))
         elif wrong := [row for row in table(results) if row not in block.read(PAGE, "fuzz")]:
-            sys.exit("\n".join([f"{PAGE} has not these rows, write them by `trust.py readme`:"] + wrong))
+            sys.exit("\n".join([f"{PAGE} has not these rows, write them by `tried.py readme`:"] + wrong))
         elif block.read(PAGE, "fuzz") != table(results):
-            sys.exit(f"{PAGE} has other rows besides, write them by `trust.py readme`")
+            sys.exit(f"{PAGE} has other rows besides, write them by `tried.py readme`")
         return
     file = pathlib.Path(arguments[1])
     text = file.read_text()
