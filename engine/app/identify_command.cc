@@ -25,7 +25,7 @@ struct IdentifyArguments {
   Common common;
   std::string scenario;
   std::vector<std::string> data, maps, overrides, free, bounds;
-  std::string method = "free_run", out;
+  std::string method = "corrected", out;
   int starts = 4;
 };
 
@@ -231,12 +231,10 @@ void AddIdentify(CLI::App& program, int& exit) {
   command
       ->add_option(
           "--method", arguments->method,
-          "free_run: the error sample by sample (default). corrected: of runs beside the record that it corrects, from "
-          "far "
-          "off, of records that begin in motion and of models that leave something. For values far off, too: spectrum: "
-          "of the outputs; response: "
-          "of a drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its resonances and zeros, then their "
-          "gains")
+          "corrected (default): of runs beside the record that it corrects less and less, up to the free run where "
+          "the model is exact. free_run: the error sample by sample, for values near by. For values far off, too: "
+          "spectrum: of the outputs; response: of a drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its "
+          "resonances and zeros, then their gains")
       ->check(CLI::IsMember(kMethods));
   command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")

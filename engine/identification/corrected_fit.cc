@@ -8,6 +8,9 @@
 
 #include "base/random.h"
 #include "estimation/estimator.h"
+#include "experiment/drive_by_record.h"
+#include "identification/start.h"
+#include "identification/told_apart.h"
 #include "linear/dense.h"
 
 namespace dynoproof::identification {
@@ -55,15 +58,32 @@ bool AtNoise(const estimation::Estimate& fit) {
       fit.scales, [](const estimation::ChannelScale& scale) { return scale.rms <= kMost * scale.noise_alone; });
 }
 
+/// The first `count` columns without what the others can stand for.
+Eigen::MatrixXd Beside(const Eigen::MatrixXd& jacobian, Eigen::Index count) {
+  Eigen::MatrixXd own = jacobian.leftCols(count);
+  const Eigen::MatrixXd others = jacobian.rightCols(jacobian.cols() - count);
+  if (others.cols() == 0) return own;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::VectorXd column = own.col(k);
+    own.col(k) -= others * dense::LeastSquares(others, column);
+  }
+  return own;
+}
+
 /// Values of `best`. Intervals: of an exact model its own; of another the hull over all levels, for how much a number
 /// depends on what is taken for unknown is what the model's error makes of it.
-void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<estimation::Estimate>& fits,
-               std::size_t best, const DataSet& data, Identified& result) {
+void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<FreeKey>& free,
+               const std::vector<estimation::Estimate>& fits, std::size_t best, const DataSet& data,
+               Identified& result) {
   constexpr double kTwoSided = 1.959964, kOnBound = 1e-6;
   const estimation::Estimate& fit = fits[best];
   const bool exact = best + 1 == fits.size() && AtNoise(fit);
   const Eigen::VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
-  Eigen::VectorXd low = fit.q, high = fit.q, slope(fit.q.size());
+  const auto count = static_cast<Eigen::Index>(free.size());  // the starts of records come behind
+  Eigen::VectorXd low = fit.q, high = fit.q, slope(count);
+  std::vector<std::string> keys;
+  for (const FreeKey& key : free) keys.push_back(key.key);
+  const ToldApart told = TellApart(Beside(fit.jacobian, count), 1.0, keys);  // the rows count in deviations
   for (const estimation::Estimate& level : fits) {
     if (!level.ok() || (exact && &level != &fit)) continue;
     const Eigen::VectorXd half =
@@ -71,7 +91,7 @@ void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<estim
     low = low.cwiseMin(level.q - half);
     high = high.cwiseMax(level.q + half);
   }
-  for (Eigen::Index i = 0; i < fit.q.size(); ++i) {
+  for (Eigen::Index i = 0; i < count; ++i) {
     const Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
     const double width = upper[i] - lower[i], value = parameter.ValueAt(fit.q[i]);
     slope[i] = parameter.logarithmic ? parameter.scale * value : parameter.scale;
@@ -79,12 +99,19 @@ void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<estim
     one.nominal = hypothesis.nominal().root.FindPath(parameter.name)->number();
     one.on_bound = fit.q[i] < lower[i] + kOnBound * width || fit.q[i] > upper[i] - kOnBound * width;
     const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
-    if (!one.on_bound && high[i] - low[i] < width) one.interval = {std::min(a, b), std::max(a, b)};
+    if (!one.on_bound && told.Tells(one.key) && high[i] - low[i] < width)
+      one.interval = {std::min(a, b), std::max(a, b)};
     result.values.push_back(std::move(one));
   }
-  result.covariance = slope.asDiagonal() * estimation::Sandwich(fit, data, hypothesis) * slope.asDiagonal();
-  const Eigen::VectorXd singular = dense::SingularValues(fit.jacobian);
-  result.singular.assign(singular.begin(), singular.end());
+  result.covariance =
+      slope.asDiagonal() * estimation::Sandwich(fit, data, hypothesis).topLeftCorner(count, count) * slope.asDiagonal();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (told.Tells(keys[static_cast<std::size_t>(i)])) continue;
+    result.covariance.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+    result.covariance.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  result.singular = told.singular;
+  result.alike = told.alike;
 }
 
 /// The nominal values; or the best of some random points, anywhere within the bounds that are given, else within a factor.
@@ -115,13 +142,22 @@ Eigen::VectorXd StartOf(const estimation::Hypothesis& hypothesis, const std::vec
 
 }  // namespace
 
-Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
-                    const IdentifyOptions& options, Identified& result) {
+Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& options, Identified& result) {
+  const Registry& registry = problem.registry();
+  std::vector<MappedRecord> data = problem.records();
+  const Result<Plan> begun = FitStarts(problem, problem.plan());
+  const Plan plan = begun.ok() ? *begun : problem.plan();
   estimation::Hypothesis hypothesis(plan);
   for (const FreeKey& key : options.keys)
     hypothesis = hypothesis.WithFree(ParameterOf(key, plan.root.FindPath(key.key)->number()));
+  // Where a record starts is fitted along, in the numbers that its plant declares for that. With none it is led in.
+  for (std::size_t r = 0; r < data.size(); ++r) {
+    const std::size_t before = hypothesis.parameters().size();
+    hypothesis = hypothesis.WithStartFree(r, registry);
+    if (hypothesis.parameters().size() > before) data[r].in_motion = false;
+  }
   const DataSet whole(data, plan);
-  const Result<LinearModel> model = LinearModel::Of(plan, whole.records().front(), registry);
+  const Result<LinearModel> model = LinearModel::Of(StartingInto(plan, 0), whole.records().front(), registry);
   if (!model.ok()) return model.failure();
   const double duration_s = whole.records().front().end_s;
   std::vector<double> memories;
@@ -158,8 +194,10 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
       const double likelihood = chain[i].ok() ? estimation::LogLikelihood(chain[i], *levels[i]) : end;
       if (likelihood > end) end = likelihood, own = i;
     }
-    ends.push_back(end);
+    // A free run that leaves nothing but noise leaves nothing unknown, however likely a shorter memory is by chance.
     const bool exact = chain.size() == levels.size() && chain.back().ok() && AtNoise(chain.back());
+    if (exact) own = chain.size() - 1;
+    ends.push_back(end);
     if (end > likeliest) fits = std::move(chain), best = own, likeliest = end;
     options.progress(static_cast<double>(start + 1) / options.starts);
     if (exact) break;
@@ -174,11 +212,12 @@ Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, con
   }
   told.nrmse_before = nominal.ok() ? NrmseOf(compared, *nominal) : std::numeric_limits<double>::infinity();
   told.nrmse_after = NrmseOf(compared, fits[best].innovations);
+  told.at_noise = AtNoise(fits[best]);
   result.level = told;
   constexpr double kSame = 1e-3;  // of the likelihood a row
   result.starts = static_cast<int>(ends.size());
   result.converged = static_cast<int>(std::ranges::count_if(ends, [&](double end) { return end > likeliest - kSame; }));
-  AddValues(hypothesis, fits, best, compared, result);
+  AddValues(hypothesis, options.keys, fits, best, compared, result);
   return {};
 }
 

@@ -12,7 +12,6 @@ namespace dynoproof::identification {
 /// From the nominal values, and from other starts until one ends at the noise. Intervals by the sandwich there, of an inexact
 /// model the hull over the levels. Fills values, covariance, level and singular of `result`; fails where the nominal run
 /// breaks at every level.
-Status FitCorrected(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
-                    const IdentifyOptions& options, Identified& result);
+Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& options, Identified& result);
 
 }  // namespace dynoproof::identification

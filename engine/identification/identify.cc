@@ -13,7 +13,7 @@
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
 #include "identification/suspects.h"
-#include "linear/dense.h"
+#include "identification/told_apart.h"
 #include "scenario/load.h"
 
 namespace dynoproof::identification {
@@ -50,22 +50,12 @@ Eigen::MatrixXd Sandwich(const Objective& objective, const Optimum& at, const Ei
 
 /// What the Jacobian at the optimum tells: adds to singular values and keys not told apart, returns (J'J)^-1.
 Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
-  const dense::Svd svd = dense::JacobiSvd(at.jacobian.transpose() * at.jacobian);
-  Eigen::VectorXd inverse_values = svd.values;
-  // What a change of 100 % moves by less than a tenth of the noise (all samples together) is not seen.
-  const double unseen = 0.01 * at.error.squaredNorm() / static_cast<double>(at.error.size());
-  for (Eigen::Index k = 0; k < inverse_values.size(); ++k) {
-    const double value = svd.values[k];
-    result.singular.push_back(std::sqrt(value));
-    inverse_values[k] = value > 0.0 ? 1.0 / std::max(value, 1e-15 * svd.values[0]) : 0.0;
-    if (value > 1e-9 * svd.values[0] && value > unseen) continue;
-    std::vector<std::string> set;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (std::abs(svd.V(static_cast<Eigen::Index>(i), k)) > 0.1) set.push_back(axes[i].key);
-    }
-    result.alike.push_back(set);
-  }
-  return svd.V * inverse_values.asDiagonal() * svd.V.transpose();
+  std::vector<std::string> keys;
+  for (const Axis& axis : axes) keys.push_back(axis.key);
+  ToldApart told = TellApart(at.jacobian, at.error.squaredNorm() / static_cast<double>(at.error.size()), keys);
+  result.singular.insert(result.singular.end(), told.singular.begin(), told.singular.end());
+  std::ranges::move(told.alike, std::back_inserter(result.alike));
+  return std::move(told.inverse);
 }
 
 void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
@@ -151,6 +141,36 @@ void AddIntervals(const Objective& objective, const Optimum& at, const std::vect
   result.covariance = slope.asDiagonal() * own * slope.asDiagonal();
 }
 
+Status InOneStage(const EstimationProblem& problem, const std::vector<Axis>& axes, IdentifyMethod method,
+                  const MultiStartOptions& search, Identified& result) {
+  const Result<std::unique_ptr<Objective>> objective = MisfitOf(problem, method);
+  if (!objective.ok()) return objective.failure();
+  const Result<Optimum> best = Minimise(problem.plan(), **objective, axes, search);
+  if (!best.ok()) return best.failure();
+  Take(*best, axes, result);
+  const Eigen::MatrixXd inverse = Tell(*best, axes, result);
+  const Result<Eigen::MatrixXd> by_stamps =
+      ByDoubtOfStamps(problem, method, With(problem.plan(), axes, best->x), *best, inverse);
+  if (!by_stamps.ok()) return by_stamps.failure();
+  AddIntervals(**objective, *best, axes, inverse, *by_stamps, result);
+  return {};
+}
+
+/// Of a model that a corrected fit found to be exact: the free run has its minimum nearby then, and there each record's own
+/// start and the doubts of its stamps are known.
+Status GoOnInFreeRun(const EstimationProblem& problem, const std::vector<Axis>& axes, Identified& result) {
+  Identified free_run;
+  free_run.converged = 1;
+  MultiStartOptions search = {.starts = 1};
+  for (std::size_t i = 0; i < axes.size(); ++i) search.first.push_back(axes[i].At(result.values[i].value));
+  if (Status failed = InOneStage(problem, axes, IdentifyMethod::kFreeRun, search, free_run)) return failed;
+  result.values = std::move(free_run.values);
+  result.covariance = std::move(free_run.covariance);
+  result.singular = std::move(free_run.singular);
+  result.alike = std::move(free_run.alike);
+  return {};
+}
+
 bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).starts_with("damping"); }
 
 /// Thesis (2.69) to (2.72).
@@ -190,9 +210,11 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
   const double after = result.level ? result.level->nrmse_after : result.nrmse_after;
   if (!(after <= kWorse * before))
     doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", before, after));
-  if (!(after <= kNothing))
-    doubts.push_back(
-        fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?", after));
+  // Beside a record that corrects it any model is near: there it must have come nearer, or leave nothing but noise.
+  const bool nearer = result.level && (result.level->at_noise || after <= kNothing * before);
+  if (!(after <= kNothing) || (result.level && !nearer && !(result.nrmse_after <= kNothing)))
+    doubts.push_back(fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?",
+                                 result.nrmse_after));
   return doubts;
 }
 
@@ -212,19 +234,13 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   if (options.method == IdentifyMethod::kTwoStage) {
     if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
   } else if (options.method == IdentifyMethod::kCorrected) {
-    if (Status failed = FitCorrected(problem.plan(), data, registry, options, result)) return *failed;
+    if (Status failed = FitCorrected(problem, options, result)) return *failed;
+    if (!result.level->memory_s) {
+      if (Status failed = GoOnInFreeRun(problem, axes, result)) return *failed;
+    }
   } else {
-    const Result<std::unique_ptr<Objective>> objective = MisfitOf(problem, options.method);
-    if (!objective.ok()) return objective.failure();
-    const Result<Optimum> best =
-        Minimise(problem.plan(), **objective, axes, {options.starts, TriesOf(options), options.progress});
-    if (!best.ok()) return best.failure();
-    Take(*best, axes, result);
-    const Eigen::MatrixXd inverse = Tell(*best, axes, result);
-    const Result<Eigen::MatrixXd> by_stamps =
-        ByDoubtOfStamps(problem, options.method, With(problem.plan(), axes, best->x), *best, inverse);
-    if (!by_stamps.ok()) return by_stamps.failure();
-    AddIntervals(**objective, *best, axes, inverse, *by_stamps, result);
+    const MultiStartOptions search = {options.starts, TriesOf(options), options.progress};
+    if (Status failed = InOneStage(problem, axes, options.method, search, result)) return *failed;
   }
   Plan found = problem.plan();
   for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);

@@ -33,6 +33,7 @@ struct CorrectedLevel {
   std::optional<double> memory_s;  // nothing: the free run
   double share = 0.0;              // of the driving forces, that the model is taken not to know
   double nrmse_before = 0.0, nrmse_after = 0.0;
+  bool at_noise = false;         // nothing else is left
   std::int64_t simulations = 0;  // of all levels
 };
 

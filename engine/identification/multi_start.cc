@@ -127,7 +127,9 @@ Result<Optimum> Minimise(const Plan& plan, const Objective& objective, const std
   std::vector<double> costs;
   for (int start = 0; start < options.starts; ++start) {
     options.progress(static_cast<double>(start) / options.starts);
-    std::vector<double> x = start == 0 ? nominal : StartOf(cost, axes, options.tries, start);
+    std::vector<double> x = start > 0               ? StartOf(cost, axes, options.tries, start)
+                            : options.first.empty() ? nominal
+                                                    : options.first;
     ceres::Problem problem;
     problem.AddResidualBlock(new Cost(plan, objective, axes), nullptr, x.data());
     for (std::size_t k = 0; k < x.size(); ++k) {
