@@ -78,7 +78,7 @@ class Waiting:
     def touch(source):
         """One more line that a compiler sees: of a comment a compiler cache would know that it changes nothing."""
         with open(source, "a", encoding="utf-8") as file:
-            file.write(f"[[maybe_unused]] inline constexpr long long kWaitedFor = {time.time_ns()};\n")
+            file.write(f"[[maybe_unused]] inline constexpr int kWaitedFor{time.time_ns()} = 0;\n")
 
     def command_of(self, name):
         return {

@@ -56,11 +56,15 @@ int Diagnose(const DiagnoseArguments& arguments) {
     }
   }
   if (Report(faults) != kGood) return kUsage;
-  std::vector<std::string> shortened;
+  std::vector<std::string> of_records;
   for (auto* records : {&measured->data, &measured->holdout}) {
     if (std::string note = diagnosis::KeepTo(diagnosis::kMostSamples, *records); !note.empty())
-      shortened.push_back(std::move(note));
+      of_records.push_back(std::move(note));
+    for (const MappedRecord& record : *records) {
+      for (const std::string& note : record.notes) of_records.push_back(fmt::format("{}: {}", record.file, note));
+    }
   }
+  for (const std::string& note : of_records) Note(note + "\n");
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
   diagnosis::DiagnoseOptions options;
@@ -85,10 +89,10 @@ int Diagnose(const DiagnoseArguments& arguments) {
     Complain(result.failure().ToString() + "\n");
     return result.failure().exit_code;
   }
-  result->notes.insert(result->notes.end(), shortened.begin(), shortened.end());
   Print(arguments.common, diagnosis::ToTable(*result));
   if (arguments.explain) Print(arguments.common, diagnosis::ToText(result->journal));
   for (const std::string& note : result->notes) Note(note + "\n");
+  result->notes.insert(result->notes.end(), of_records.begin(), of_records.end());
   const bool open =
       result->verdict != diagnosis::Verdict::kEffectFound && result->verdict != diagnosis::Verdict::kNoEffect;
   const int exit = arguments.strict && open ? kUndecided : kGood;

@@ -129,7 +129,7 @@ Judged JudgeOf(const Task& task, const Plan& given, const std::optional<Plan>& r
   const auto predict = [&](Plan plan) -> Predictions {
     if (own) {
       plan.root.Erase("start_of_record");
-      Result<Plan> started = identification::FitStarts(judged.problem, std::move(plan), judged.from);
+      Result<Plan> started = identification::FindStarts(judged.problem, plan, judged.from);
       if (!started.ok()) return started.failure();
       plan = *std::move(started);
     }
@@ -221,12 +221,9 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     if (const Result<std::string> file = WriteSeparating(problem, instances, task.options); file.ok())
       result.experiment_scenario = *file;
   }
-  // A model that is not exact is fitted where its run is corrected, which says little of where the records start.
+  // A model is fitted where its run is corrected, or behind a lead-in, which says little of where the records start.
   Plan with_cause = model.hypothesis.At(fit.q);
-  if (!settled.exact) {
-    if (const Result<Plan> started = identification::FitStarts(problem, with_cause); started.ok())
-      with_cause = *started;
-  }
+  if (const Result<Plan> started = identification::FindStarts(problem, with_cause); started.ok()) with_cause = *started;
   const identification::Hypothesis hypothesis = AsReported(problem, model, fit.q, with_cause);
   const Plan given = FromTheStartOf(task.begun, model, fit.q);
   std::optional<Plan> let_go;

@@ -310,7 +310,7 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   identification::SearchContext context;
   context.released = true;  // what was let go is told
   const EstimationProblem problem(plan, data, registry, holdout.empty() ? kFittedShare : 1.0, std::move(context));
-  const Result<Plan> started = identification::FitStarts(problem, plan);
+  const Result<Plan> started = identification::FindStarts(problem, plan);
   const Plan begun = started.ok() ? *started : plan;
   Result<Parts> parts = Split(begun, data, holdout, registry);
   if (!parts.ok()) return parts.failure();

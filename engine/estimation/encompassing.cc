@@ -37,11 +37,14 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
 
 Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data,
                     const std::vector<ChannelScale>& scales) {
-  VectorXd weight(a.size());
+  // What is left below the noise is no noise: the input's course between samples, or round-off. It goes with the difference
+  // of two models as it likes, and its blocks know nothing of that.
+  VectorXd weight(a.size()), least(a.size());
   for (std::size_t c = 0; c < data.channels().size(); ++c) {
     const Channel& channel = data.channels()[c];
     weight.segment(channel.begin, channel.count)
         .setConstant(1.0 / (scales[c].rms * scales[c].rms * scales[c].correlation));
+    least.segment(channel.begin, channel.count).setConstant(channel.noise);
   }
   const VectorXd d = a - b, wd = weight.cwiseProduct(d);
   const double power = wd.dot(d);
@@ -55,8 +58,8 @@ Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data,
       sum += wd.segment(rows.begin, rows.count).dot(v.segment(rows.begin, rows.count));
     by_block += sum * sum;
   }
-  const double by_row = wd.cwiseProduct(v).squaredNorm();
-  result.standard_error = std::sqrt(std::max(by_block, by_row)) / power;
+  const double by_row = wd.cwiseProduct(v).squaredNorm(), by_noise = wd.cwiseProduct(least).squaredNorm();
+  result.standard_error = std::sqrt(std::max({by_block, by_row, by_noise})) / power;
   return result;
 }
 

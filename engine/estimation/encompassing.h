@@ -17,8 +17,8 @@ struct Weight {
 
 /// lambda = sum w e_a d / sum w d^2, d = e_a - e_b: the weight of b in the mixture of the two predictions that leaves
 /// least (Davidson, MacKinnon 1981; Harvey, Leybourne, Newbold 1998). `a`, `b`: innovations by row; `scales`: weights
-/// 1 / (s^2 tau), by channel. The standard error is that of sums over blocks, and at least that of single rows. Where both
-/// predict the same it is infinite.
+/// 1 / (s^2 tau), by channel. The standard error is that of sums over blocks, at least that of single rows, and at
+/// least what the noise would make of it. Where both predict the same it is infinite.
 Weight Encompassing(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const DataSet& data,
                     const std::vector<ChannelScale>& scales);
 

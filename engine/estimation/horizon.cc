@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "estimation/predictor.h"
 #include "experiment/prepare.h"
@@ -23,9 +24,7 @@ constexpr double kReached = 0.7;  // a plant that forgets by itself within less 
 constexpr double kAtNoise = 1.2;  // times what noise alone causes: its size is known to some hundredths
 constexpr double kMoves = 1e-12;  // of the usual magnitude
 
-}  // namespace
-
-Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const Registry& registry) {
+Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Registry& registry, bool shortest_only) {
   StartFromRecord(record, registry, plan);
   const double period_s = plan.root.NumberOr("run.period_s", RunSettings().period_s);
   std::erase_if(record.outputs, [&](const auto& output) {
@@ -75,12 +74,25 @@ Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const R
     within = within && level->at_noise;
     if (within) horizon.horizon_s = *level->memory_s;
     horizon.levels.push_back(*std::move(level));
+    if (shortest_only) return std::optional(std::move(horizon));
   }
   Result<HorizonLevel> free = look(Predictor(whole, *model, registry, std::nullopt, known));
   if (!free.ok()) return free.failure();
   if (free->at_noise) horizon.horizon_s = end_s;
   horizon.levels.push_back(*std::move(free));
   return std::optional(std::move(horizon));
+}
+
+}  // namespace
+
+Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const Registry& registry) {
+  return Look(std::move(plan), std::move(record), registry, false);
+}
+
+Result<std::optional<HorizonLevel>> ShortestLevelOf(Plan plan, MappedRecord record, const Registry& registry) {
+  Result<std::optional<Horizon>> horizon = Look(std::move(plan), std::move(record), registry, true);
+  if (!horizon.ok()) return horizon.failure();
+  return *horizon ? std::optional((*horizon)->levels.front()) : std::nullopt;
 }
 
 std::string Horizon::ToText() const {

@@ -40,6 +40,9 @@ struct Horizon {
 /// built or its free run breaks.
 Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const Registry& registry);
 
+/// The shortest of these levels alone, where a run shows the forces of its inputs; the free run of a plant that nothing corrects.
+Result<std::optional<HorizonLevel>> ShortestLevelOf(Plan plan, MappedRecord record, const Registry& registry);
+
 /// "horizon_s", "noise" and "levels", to be added to a document.
 void AddTo(nlohmann::json& document, const Horizon& horizon);
 

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
+#include "estimation/horizon.h"
 #include "experiment/prediction_windows.h"
-#include "identification/estimation_problem.h"
-#include "identification/objective.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 /// more, that of a wrong one hardly: between lies the doubt, in which inputs stay held.
 constexpr double kClearly = 0.5;
 constexpr double kWorthAWord = 0.9;
+constexpr double kRoundOff = 1e-12;  // NRMSE
 
 }  // namespace
 
@@ -47,10 +49,12 @@ std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registr
   // Windows start from a state that was corrected by the record: half a sample hardly shows in them.
   if (UnstatedInputs(plan, record).empty() || record.outputs.empty() || PredictionWindow(plan)) return fits;
   for (const std::string& between : PossibleBetween(plan, record)) {
-    const EstimationProblem problem(plan, {WithBetween(record, plan, between)}, registry);
-    const Result<double> nrmse = NrmseOf(*FreeRunObjective(problem), problem.plan());
-    if (!nrmse.ok()) continue;  // a fit that needs it says why
-    fits.push_back({between, *nrmse});
+    const Result<std::optional<estimation::HorizonLevel>> level =
+        estimation::ShortestLevelOf(plan, WithBetween(record, plan, between), registry);
+    if (!level.ok() || !*level) continue;  // a fit that needs it says why
+    double logarithms = 0.0;
+    for (const auto& [output, nrmse] : (*level)->nrmse) logarithms += std::log(std::max(nrmse, kRoundOff));
+    fits.push_back({between, std::exp(logarithms / static_cast<double>((*level)->nrmse.size()))});
   }
   return fits;
 }
@@ -66,18 +70,18 @@ bool IsClear(const std::vector<BetweenFit>& fits, const std::string& between) {
 void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& record) {
   const std::vector<BetweenFit> fits = CompareBetween(plan, registry, record);
   if (fits.empty()) return;
-  const auto best =
-      std::min_element(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
+  const auto [best, worst] = std::ranges::minmax_element(fits, {}, &BetweenFit::nrmse);
   // Straight lines and band-limited courses are near each other, and both are no steps.
   const BetweenFit& taken = best->nrmse < kClearly * fits.front().nrmse ? *best : fits.front();
   record = WithBetween(std::move(record), plan, taken.between);
-  if (best->nrmse > kWorthAWord * fits.front().nrmse) return;
+  if (best->nrmse > kWorthAWord * worst->nrmse) return;
   std::string distances;
   for (const BetweenFit& fit : fits)
     distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
   record.notes.push_back(fmt::format(
-      "between their samples the inputs are taken as {}, which neither file nor map says: the outputs are off the "
-      "simulation by (NRMSE) {}{}; state it in a map: between = \"{}\"",
+      "between their samples the inputs are taken as {}, which neither file nor map says: corrected by the record with "
+      "a "
+      "short memory the outputs are off by (NRMSE) {}{}; if you know it, state it in a map: between = \"{}\"",
       taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
 }
 

@@ -13,11 +13,13 @@ namespace dynoproof::identification {
 
 struct BetweenFit {
   std::string between;  // as a map says it
-  double nrmse = 0.0;   // of all outputs, root mean square
+  double nrmse = 0.0;   // of all outputs, geometric mean
 };
 
 /// The distance of the record from what `plan` predicts, by what the inputs of which nobody says it do between their
-/// samples; "held" is first. Empty where every input is stated, or nothing can be compared.
+/// samples; "held" is first. Of a run that the record corrects with a short memory: half a sample of an input is a force that is
+/// wrong, and that shows there whatever else the model lacks, which a free run adds up. Empty where every input is stated, or
+/// nothing can be compared.
 std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registry, const MappedRecord& record);
 
 /// Whether one of them leaves no doubt: less than half of what any other leaves.

@@ -9,7 +9,6 @@
 #include "base/random.h"
 #include "estimation/estimator.h"
 #include "experiment/drive_by_record.h"
-#include "identification/start.h"
 #include "identification/told_apart.h"
 #include "linear/dense.h"
 
@@ -140,13 +139,35 @@ Eigen::VectorXd StartOf(const estimation::Hypothesis& hypothesis, const std::vec
   return best;
 }
 
+/// The level whose numbers are taken: the likeliest of those that make the free run no worse than it was. With a memory of few
+/// samples a model that leaves much is soon the likeliest, whatever its numbers: what it leaves is known by the sample before.
+std::size_t LevelOf(const estimation::Hypothesis& hypothesis, const std::vector<estimation::Estimate>& fits,
+                    std::size_t likeliest, const std::vector<std::unique_ptr<Predictor>>& levels) {
+  constexpr double kWorse = 1.01;
+  const Predictor& free = *levels.back();
+  const auto left = [&](const Plan& plan) {
+    const Result<Eigen::VectorXd> rows = free.Innovations(plan);
+    return rows.ok() ? NrmseOf(free.data(), *rows) : std::numeric_limits<double>::infinity();
+  };
+  const double before = left(hypothesis.nominal());
+  const auto worse = [&](std::size_t i) { return !(left(hypothesis.At(fits[i].q)) <= kWorse * before); };
+  if (!std::isfinite(before) || !worse(likeliest)) return likeliest;
+  double end = -std::numeric_limits<double>::infinity();
+  std::size_t taken = likeliest;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (!fits[i].ok() || worse(i)) continue;
+    if (const double likelihood = estimation::LogLikelihood(fits[i], *levels[i]); likelihood > end)
+      end = likelihood, taken = i;
+  }
+  return taken;
+}
+
 }  // namespace
 
 Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& options, Identified& result) {
   const Registry& registry = problem.registry();
   std::vector<MappedRecord> data = problem.records();
-  const Result<Plan> begun = FitStarts(problem, problem.plan());
-  const Plan plan = begun.ok() ? *begun : problem.plan();
+  const Plan& plan = problem.plan();
   estimation::Hypothesis hypothesis(plan);
   for (const FreeKey& key : options.keys)
     hypothesis = hypothesis.WithFree(ParameterOf(key, plan.root.FindPath(key.key)->number()));
@@ -205,6 +226,7 @@ Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& opt
   CorrectedLevel told;
   for (const auto& level : levels) told.simulations += level->simulations();
   if (fits.empty()) return Failure{"no run beside the record holds", plan.id, {}, 4};
+  best = LevelOf(hypothesis, fits, best, levels);
   const Result<Eigen::VectorXd> nominal = levels[best]->Innovations(plan);
   if (!levels[best]->free_run()) {
     told.memory_s = levels[best]->observer()->memory_s();

@@ -12,6 +12,7 @@
 #include "experiment/prediction_windows.h"
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
+#include "identification/start.h"
 #include "identification/suspects.h"
 #include "identification/told_apart.h"
 #include "scenario/load.h"
@@ -222,7 +223,10 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
 
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
                             const IdentifyOptions& options) {
-  const EstimationProblem problem(plan, data, registry);
+  const EstimationProblem given(plan, data, registry);
+  const Result<Plan> begun = FindStarts(given, given.plan());
+  if (!begun.ok()) return begun.failure();
+  const EstimationProblem problem(*begun, data, registry);
   const std::unique_ptr<Objective> free_run = FreeRunObjective(problem);
   std::vector<Axis> axes;
   for (const FreeKey& free : options.keys) axes.emplace_back(free, plan.root.FindPath(free.key)->number());
@@ -248,6 +252,8 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   if (!after.ok()) return after.failure();
   result.nrmse_after = *after;
   result.doubts = DoubtsOf(result);
+  if (result.level && result.level->memory_s)
+    result.notes.push_back("the model leaves more than noise in its free run: diagnose looks for what it lacks");
   return result;
 }
 

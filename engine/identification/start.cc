@@ -42,6 +42,9 @@ std::string MotionAtStart(const EstimationProblem& problem) {
   bool moves = false;
   for (const Channel& c : problem.channels()) {
     if (c.record != 0 || c.count < kFirst) continue;
+    // By the time that an output begins late, a model that is a little off has gone astray.
+    const std::vector<double>& time = *problem.records().front().outputs.at(c.name).time;
+    if (time.front() > static_cast<double>(kFirst) * (time[1] - time[0])) continue;
     const auto rows = problem.measured().segment(c.begin, c.count);
     const double most = std::max(kShare * c.spread, kSigmas * HighFrequencyFloor(rows));
     moves = moves || (rows - predicted->segment(c.begin, c.count)).head(kFirst).cwiseAbs().minCoeff() > most;
@@ -100,35 +103,64 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
   return plan;
 }
 
-Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+namespace {
+
+/// Squares of what a plan leaves over the first share of the records, each channel over its spread; infinite where a run breaks.
+double LeftOf(const EstimationProblem& problem, const Plan& plan) {
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
+  if (!predicted.ok()) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const Channel& c : problem.channels())
+    sum += (problem.measured() - *predicted).segment(c.begin, c.count).squaredNorm() /
+           std::pow(std::max(c.spread, 1e-12 * c.nominal), 2);
+  return sum;
+}
+
+/// The plan after steps over the first share of the records, while these halve what is left there.
+Plan StepsOver(const EstimationProblem& problem, Plan plan, double until) {
   constexpr int kMostSteps = 8;
-  if (!record.in_motion || record.outputs.empty()) return Start();
-  const EstimationProblem problem(plan, {record}, registry);
-  const auto left = [&problem](const Plan& started) {
-    const Result<Eigen::VectorXd> predicted = problem.PredictPlan(started);
-    if (!predicted.ok()) return std::numeric_limits<double>::infinity();
-    double sum = 0.0;
-    for (const Channel& c : problem.channels())
-      sum += (problem.measured() - *predicted).segment(c.begin, c.count).squaredNorm() /
-             std::pow(std::max(c.spread, 1e-12 * c.nominal), 2);
-    return sum;
-  };
-  Plan best = plan;
-  double of_best = left(best);
+  const EstimationProblem first(problem.plan(), problem.records(), problem.registry(), until, problem.context());
+  double left = LeftOf(first, plan);
   for (int step = 0; step < kMostSteps; ++step) {
-    Result<Plan> next = FitStarts(problem, best);
-    if (!next.ok()) return next.failure();
-    const double of_next = left(*next);
-    const bool halves = of_next < 0.5 * of_best;
-    if (of_next < of_best) {
-      best = *std::move(next);
-      of_best = of_next;
-    }
+    Result<Plan> next = FitStarts(problem, plan, until);
+    const double of_next = next.ok() ? LeftOf(first, *next) : std::numeric_limits<double>::infinity();
+    const bool halves = of_next < 0.5 * left;
+    if (of_next < left) plan = *std::move(next), left = of_next;
     if (!halves) break;
   }
+  return plan;
+}
+
+}  // namespace
+
+Result<Plan> FindStarts(const EstimationProblem& problem, const Plan& plan, double until) {
+  constexpr double kRowsPerNumber = 5.0, kLonger = 2.0, kAsWell = 1.01;
+  const Result<Plan> once = FitStarts(problem, plan, until);
+  if (!once.ok()) return once;
+  const auto starts = std::ranges::count_if(problem.nuisances(), &Nuisance::start);
+  if (starts == 0 || once->root.Find("start_of_record") == nullptr) return once;
+  double share = 0.0;  // of the records, in which every output has rows enough, one that begins late as well
+  for (const MappedRecord& record : problem.records()) {
+    for (const auto& [name, series] : record.outputs) {
+      const auto row = static_cast<std::size_t>(kRowsPerNumber * static_cast<double>(starts));
+      share = std::max(share, (*series.time)[std::min(row, series.time->size()) - 1] / record.end_s);
+    }
+  }
+  Plan found = plan;
+  for (; share < until; share *= kLonger) found = StepsOver(problem, std::move(found), share);
+  found = StepsOver(problem, std::move(found), until);
+  const EstimationProblem first(problem.plan(), problem.records(), problem.registry(), until, problem.context());
+  return LeftOf(first, *once) <= kAsWell * LeftOf(first, found) ? *once : found;
+}
+
+Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  if (!record.in_motion || record.outputs.empty()) return Start();
+  const EstimationProblem problem(plan, {record}, registry);
+  const Result<Plan> found = FindStarts(problem, problem.plan());
+  if (!found.ok()) return found.failure();
   Start start;
   for (const Nuisance& nuisance : problem.nuisances()) {
-    if (nuisance.start) start[nuisance.path] = Read(best, 0, nuisance.path);
+    if (nuisance.start) start[nuisance.path] = Read(*found, 0, nuisance.path);
   }
   return start;
 }

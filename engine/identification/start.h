@@ -22,8 +22,12 @@ inline constexpr double kStartShare = 0.1;
 /// where a run breaks.
 Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until = 1.0);
 
-/// The start of one record that is `in_motion`, for runs of it: FitStarts() once more while it halves what is left. Empty where
-/// the record begins as the plan does, or the plant declares no start. Fails where a run breaks.
+/// The same for any plant: over the first few samples, where friction and play still hold what they began with, and from there
+/// over ever more of the first share, each time by steps while these halve what is left. Records that one step explains as well
+/// are left at that.
+Result<Plan> FindStarts(const EstimationProblem& problem, const Plan& plan, double until = 1.0);
+
+/// That of one record, for runs of it. Empty where the record begins as the plan does, or the plant declares no start.
 Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry);
 
 /// "plant.shaft.k1.initial_twist_rad = 0.00123, ...", for a note.

@@ -323,6 +323,30 @@ class FieldRecords(Steps):
         a, b = self.write("a.csv", csv(rows[300:700])), self.write("b.csv", csv(rows[500:]))
         self.truth(self.identified(f"{a} --data {b}"), EXACT)
 
+    def with_friction(self, every):
+        """The program's own run of the line with dry friction at I3, from 0.6 s on, each so many rows."""
+        (self.folder / "rubs.toml").write_text((self.folder / "line.toml").read_text() +
+                                               "\n[plant.load.bearing]\non = 'I3'\nlaw = 'coulomb'\nT_c_Nm = 6.0\n")
+        self.shell("dynoproof run rubs.toml")
+        self.shell("dynoproof export out/rubs.h5 --to csv --out whole.csv")
+        lines = (self.folder / "whole.csv").read_text().splitlines()
+        return self.write("rubs.csv", "\n".join(lines[:2] + lines[6002::every]) + "\n")
+
+    def test_a_line_with_friction_that_begins_in_motion(self):
+        """From the least squares of one step the exact model was off by half of the signal."""
+        record = self.with_friction(every=1)
+        self.assertIn("predicts the whole record", self.shell(f"dynoproof check-data {record} --scenario rubs.toml").stdout)
+
+    def test_friction_that_is_missing_in_a_thinned_record(self):
+        """What an input does between its samples is told by what a short memory leaves, whatever the model lacks."""
+        record = self.with_friction(every=5)
+        self.assertIn("taken as band_limited_held", self.notes(record))
+        found = self.document(f"dynoproof diagnose line.toml --data {record}", 0)
+        self.assertEqual("effect_found", found["verdict"], found["reason"])
+        (cause,) = found["effects"]
+        self.assertEqual(("coulomb_friction", "inertia:I3"), (cause["name"], cause["at"]))
+        self.assertAlmostEqual(cause["parameters"]["T_c"]["value"], 6.0, delta=0.03)
+
     # --- what is not what it is taken for
 
     def test_a_record_that_is_another_is_named(self):
