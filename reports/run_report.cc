@@ -45,6 +45,7 @@ int Failed(const ScenarioResult& result) {
 std::string Limit(const Check& check) {
   if (!check.shown.empty()) return check.shown;
   const std::string unit = check.unit == "1" ? "" : " " + check.unit;
+  if (std::isnan(check.value) && std::isnan(check.limit)) return "no number";
   const std::string value = std::isnan(check.value) ? "no number" : fmt::format("{:.3g}{}", check.value, unit);
   return fmt::format("{} ({} {:.3g}{})", value, check.at_least ? "at least" : "limit", check.limit, unit);
 }

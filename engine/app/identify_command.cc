@@ -13,6 +13,7 @@
 #include "app/measured.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
+#include "experiment/measured_record.h"
 #include "experiment/settings.h"
 #include "identification/identify.h"
 #include "model/effect.h"
@@ -198,8 +199,11 @@ int Identify(const IdentifyArguments& arguments) {
     const std::optional<Plan> written = LoadPlan(measured->file, arguments.overrides, known);
     Plan applied = *written;
     ApplyEffects(*registry, applied, known);
-    if (Status failed = WriteFileAtomically(
-            out, identification::ToScenario(*result, applied, *written, include, arguments.overrides))) {
+    std::string records;  // that the numbers were fitted to
+    for (const std::string& file : arguments.data) records += fmt::format("# SHA-256 of a record: {}\n", HashOf(file));
+    std::string text = identification::ToScenario(*result, applied, *written, include, arguments.overrides);
+    text.insert(identification::kIdentified.size(), records);
+    if (Status failed = WriteFileAtomically(out, text)) {
       Complain(failed->ToString() + "\n");
       exit = failed->exit_code;
     } else {

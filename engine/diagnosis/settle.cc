@@ -235,7 +235,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
                                std::move(numbers),
                                in             ? "admitted"
                                : !beats(i, 0) ? "does not beat the nominal model"
-                               : !close       ? "far from the best"
+                               : !close       ? "far from the best on data that took no part"
                                : !names       ? "a number is on its bound"
                                               : "too small a share"});
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "experiment/drive_by_record.h"
+#include "model/prior.h"
 
 namespace dynoproof::estimation {
 namespace {
@@ -63,16 +64,17 @@ Hypothesis Hypothesis::WithNominalValuesReleased(const Registry& registry) const
 Hypothesis Hypothesis::WithNominalValues(const Registry& registry, bool released) const {
   Hypothesis more = *this;
   const PlantTraits& plant = registry.PlantOf(nominal_);
-  if (!plant.nuisances) return more;
-  for (const NuisanceParameter& known : plant.nuisances(nominal_)) {
+  for (const NuisanceParameter& known : NuisancesWithPriors(plant, nominal_)) {
     const Value* value = nominal_.root.FindPath(known.path);
     // A start belongs to a record, which corrects it; what is written as 0 is no nominal value.
     if (known.initial || (known.only_released && !released) || value == nullptr || !value->is_number()) continue;
     if (known.relative && !(value->number() != 0.0)) continue;
-    Parameter parameter{known.path, "", known.relative, value->number(), known.spread, 0.0, 0.0, true, {}, 1e-3, 2e-2};
+    const bool free = known.spread == kNoPrior, stated = PriorIsStated(nominal_, known.path);
+    Parameter parameter{known.path, "",  known.relative, value->number(), free ? 1.0 : known.spread, 0.0, 0.0, true, {},
+                        1e-3,       2e-2};
     parameter.lower = parameter.ValueAt(-kBound);
     parameter.upper = parameter.ValueAt(kBound);
-    if (released) {
+    if (free || (released && !stated)) {
       Release(parameter, value->number());
       if (!(parameter.lower < parameter.upper)) continue;
     }

@@ -273,10 +273,10 @@ class SignalComparison {
     const double allowed = options_.relative_width * options_.nominal, ratio = between.distance / allowed;
     if (ratio <= 1.0) return;
     check.verdict = score::Verdict::kFail;
+    if (ratio < check.value) return;  // the kept samples tell of a worse place
     check.explanation = check.explanation.empty() ? fmt::format("{}; allowed: {:.3g}{}{}", between.what, allowed,
                                                                 signal_.unit.empty() ? "" : " ", signal_.unit)
                                                   : between.what + "; " + check.explanation;
-    if (ratio < check.value) return;
     check.value = ratio;
     check.shown = fmt::format("{:.3g}{}{} off between two kept samples ({:.3g} allowed)", between.distance,
                               signal_.unit.empty() ? "" : " ", signal_.unit, allowed);

@@ -228,9 +228,13 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan
   return checks;
 }
 
-std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Plan& plan) {
+std::optional<Value> BlessedScenario(const GoldenPlace& place) {
   const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
-  std::optional<Value> was = golden.ok() ? FromToml(golden->scenario) : std::nullopt;
+  return golden.ok() ? FromToml(golden->scenario) : std::nullopt;
+}
+
+std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Plan& plan) {
+  std::optional<Value> was = BlessedScenario(place);
   if (!was) return {};
   Value is = plan.root;
   for (const char* key : {"title", "source", "check", "budget", "format"}) was->Erase(key), is.Erase(key);

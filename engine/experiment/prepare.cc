@@ -9,6 +9,7 @@
 
 #include "experiment/analysis.h"
 #include "experiment/drive_by_record.h"
+#include "model/prior.h"
 #include "scenario/changes.h"
 #include "scenario/load.h"
 
@@ -108,6 +109,7 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
   const Rig& rig = prepared->rig != nullptr ? *prepared->rig : names;
   ReadAnalysis(plan, rig, diagnostics);
   ReadExtension(plan, diagnostics);
+  CheckPriors(plan, diagnostics);
   prepared->record = ReadRecordSettings(plan, rig, diagnostics);
   // A record is another experiment: the checks of the scenario's own excitation do not apply to it.
   if (options.data == nullptr) prepared->checks = ReadChecks(plan, rig, registry, diagnostics);

@@ -373,6 +373,9 @@ class Mapper {
       if (later) begin = raw.base.start_s, origin = &raw;
     }
     if (origin == nullptr) return;
+    // A person looks for what is told at 0.45 s in the file, by its own stamps.
+    if (std::abs(begin) > 1.5 * origin->base.usual_step_s)
+      result_.notes.push_back(fmt::format("its stamps begin at {:.12g} s, which is 0 s here", begin));
     const double span = end - begin;
     std::map<std::string, std::vector<std::string>> told;  // a sentence about a clock, and who has it
     for (const Raw& raw : raw_) {

@@ -12,6 +12,7 @@
 #include "experiment/build_info.h"
 #include "experiment/golden.h"
 #include "experiment/measured_record.h"
+#include "experiment/moved_modes.h"
 #include "experiment/prediction_windows.h"
 #include "scenario/load.h"
 #include "score/hull.h"
@@ -251,6 +252,9 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     if (!since.empty())
       result.changes.push_back(fmt::format("since it was blessed: {}{}", fmt::join(since, ", "),
                                            more > 0 ? fmt::format(" and {} more", more) : ""));
+  }
+  if (fell_short) {
+    if (std::string moved = MovedModes(prepared); !moved.empty()) result.changes.push_back(std::move(moved));
   }
   if (!options.out.empty()) {
     const Result<std::string> note = KeepGolden(prepared.golden, fell_short, base + ".h5", base + ".golden.h5");

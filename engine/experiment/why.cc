@@ -8,6 +8,18 @@
 #include "score/explain.h"
 
 namespace dynoproof {
+namespace {
+
+/// "3.4 instead of 3.1", with as many digits as it takes to tell them apart.
+std::string InsteadOf(double test, double reference) {
+  constexpr int kUsual = 6, kAll = 17;
+  for (int digits = kUsual;; ++digits) {
+    const std::string had = fmt::format("{:.{}g}", test, digits), wanted = fmt::format("{:.{}g}", reference, digits);
+    if (had != wanted || digits == kAll) return had + " instead of " + wanted;
+  }
+}
+
+}  // namespace
 
 Reason Why(const score::Series& reference, const score::Series& test, double threshold, const std::string& unit,
            double from_s) {
@@ -20,10 +32,9 @@ Reason Why(const score::Series& reference, const score::Series& test, double thr
     if (error > std::abs(aligned.test[worst] - reference.values[worst])) worst = i;
   }
   if (first == aligned.test.size()) first = worst;
-  std::string text =
-      fmt::format("apart from t = {:.6g} s on ({:.6g} instead of {:.6g} {}), most by {:.3g} at t = {:.6g} s",
-                  reference.time_s[first], aligned.test[first], reference.values[first], unit,
-                  std::abs(aligned.test[worst] - reference.values[worst]), reference.time_s[worst]);
+  std::string text = fmt::format("apart from t = {:.6g} s on ({} {}), most by {:.3g} at t = {:.6g} s",
+                                 reference.time_s[first], InsteadOf(aligned.test[first], reference.values[first]), unit,
+                                 std::abs(aligned.test[worst] - reference.values[worst]), reference.time_s[worst]);
   score::ExplainOptions options;
   options.unit = unit;
   const score::Explanation cause = score::Explain(reference, test, options);

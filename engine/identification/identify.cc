@@ -455,6 +455,7 @@ std::string ToScenario(const Identified& identified, const Plan& plan, const Pla
     }
     *to = *from;
   }
+  for (const IdentifiedValue& one : identified.values) tree["prior"][one.key] = Value("fitted");
   return std::string(kIdentified) + ToToml(tree);
 }
 

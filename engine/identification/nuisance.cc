@@ -6,21 +6,29 @@
 #include <tuple>
 #include <utility>
 
+#include "model/prior.h"
+
 namespace dynoproof::identification {
 
 std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bool released) {
   const PlantTraits& plant = registry.PlantOf(plan);
-  if (!plant.nuisances) return {};
+  constexpr double kWidest = 0.5;  // a spread for a number without a prior, where one is needed
   std::map<std::string, std::pair<const Effect*, Place>> scaled;  // by the path of the number
   for (const Effect* effect : registry.Effects()) {
     for (const Place& place : effect->Places(plan)) scaled.try_emplace(effect->ScaledParameter(place), effect, place);
   }
   std::vector<Nuisance> nuisances;
-  for (const NuisanceParameter& one : plant.nuisances(plan)) {
+  for (const NuisanceParameter& one : NuisancesWithPriors(plant, plan)) {
     const Value* value = plan.root.FindPath(one.path);
     if (one.only_released && !released) continue;
     if (one.relative && (value == nullptr || !value->is_number() || value->number() == 0.0)) continue;
-    nuisances.push_back({one.path, one.relative, one.spread, one.initial, nullptr, {}, one.only_in_motion});
+    nuisances.push_back({one.path,
+                         one.relative,
+                         std::min(one.spread, one.relative ? kWidest : kNoPrior),
+                         one.initial,
+                         nullptr,
+                         {},
+                         one.only_in_motion});
     const auto found = one.relative ? scaled.find(one.path) : scaled.end();
     if (found != scaled.end()) std::tie(nuisances.back().effect, nuisances.back().at) = found->second;
   }

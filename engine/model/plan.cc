@@ -12,7 +12,7 @@ namespace {
 const std::vector<std::string> kTopLevel = {"title",  "source",  "include",   "run",     "plant",
                                             "part",   "control", "input",     "output",  "analysis",
                                             "check",  "effect",  "record",    "variant", "prediction_window_s",
-                                            "budget", "without", "extension", "format"};
+                                            "budget", "without", "extension", "format",  "prior"};
 
 template <class Spec>
 std::vector<std::pair<std::string, Spec>> ReadNamed(const Plan& plan, const char* section, Diagnostics& diagnostics) {

@@ -1,0 +1,15 @@
+// What a changed number does to a drive line, for a person who sees that a run is no longer the golden one.
+#pragma once
+
+#include <string>
+
+#include "experiment/golden_place.h"
+#include "experiment/prepare.h"
+
+namespace dynoproof {
+
+/// "modes moved from 604.97 to 598.97 Hz, from 832.7 to 824 Hz": undamped, of the scenario as it was when its golden trace was
+/// blessed, and as it is. Empty where none moved, the number of modes changed, or the plant has none.
+std::string MovedModes(const Prepared& prepared);
+
+}  // namespace dynoproof
