@@ -95,6 +95,9 @@ int Export(const ExportArguments& arguments) {
     Complain(failed->ToString() + "\n");
     return failed->exit_code;
   }
+  if (arguments.every > 1)
+    Note(fmt::format("every {}th row is kept as it is, without a filter: what was faster looks slower\n",
+                     arguments.every));
   for (const std::string& file : files) Print(arguments.common, file + "\n");
   KeepJson({{"files", files}});
   return kGood;

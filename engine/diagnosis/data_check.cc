@@ -46,12 +46,15 @@ void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
     findings.push_back({false, "event", time.name,
                         fmt::format("{} instants have several rows: the values before and after an event", base.events),
                         base.events, 0.0});
+  const double usual_s = base.uniform() ? base.step_s : base.usual_step_s;
+  const bool lost = base.longest_gap_s > kLost * usual_s;
+  const std::string longest = fmt::format(
+      "the longest {:.4g} s at {:.6g} s (row {}){}", base.longest_gap_s, base.longest_gap_at_s, base.longest_gap_row,
+      lost ? fmt::format(": in more than {:g} steps nobody knows the input", kLost) : "");
   if (base.uniform() && base.dropped > 0)
-    findings.push_back({base.longest_gap_s > kLost * base.step_s,
-                        base.longest_gap_s > kLost * base.step_s ? "gap" : "dropped", time.name,
-                        fmt::format("{} rows are missing of {} in {} gaps, the longest {:.4g} s at {:.6g} s (row {})",
-                                    base.dropped, base.time_s.size() + base.dropped, base.gaps, base.longest_gap_s,
-                                    base.longest_gap_at_s, base.longest_gap_row),
+    findings.push_back({lost, lost ? "gap" : "dropped", time.name,
+                        fmt::format("{} rows are missing of {} in {} gaps, {}", base.dropped,
+                                    base.time_s.size() + base.dropped, base.gaps, longest),
                         base.gaps, base.longest_gap_at_s});
   if (base.uniform() || base.time_s.size() < 3) return;
   const double off = base.jitter_s / base.usual_step_s;
@@ -60,10 +63,8 @@ void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
                                   base.jitter_s, 100.0 * off),
                       base.time_s.size(), 0.0});
   if (base.gaps > 0)
-    findings.push_back({base.longest_gap_s > kLost * base.usual_step_s, "gap", time.name,
-                        fmt::format("{} gaps, the longest {:.4g} s at {:.6g} s (row {})", base.gaps, base.longest_gap_s,
-                                    base.longest_gap_at_s, base.longest_gap_row),
-                        base.gaps, base.longest_gap_at_s});
+    findings.push_back(
+        {lost, "gap", time.name, fmt::format("{} gaps, {}", base.gaps, longest), base.gaps, base.longest_gap_at_s});
 }
 
 /// Standard deviation.
