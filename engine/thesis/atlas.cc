@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <set>
+#include <span>
+#include <utility>
 
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -58,6 +62,38 @@ void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
       curves.push_back(std::move(curve));
     }
     shared.curves = std::move(curves);
+  }
+}
+
+/// Least and greatest value in sight of the curves that are shown at first; the first above the second where there is none.
+std::pair<double, double> InSight(const Picture& picture) {
+  std::pair<double, double> range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Curve& curve : picture.curves) {
+    for (std::size_t i = 0; curve.shown && i < curve.y.size(); ++i) {
+      const bool inside =
+          (!picture.x.from || curve.x[i] >= *picture.x.from) && (!picture.x.to || curve.x[i] <= *picture.x.to);
+      if (!inside || !std::isfinite(curve.y[i]) || (picture.y.logarithmic && !(curve.y[i] > 0.0))) continue;
+      range = {std::min(range.first, curve.y[i]), std::max(range.second, curve.y[i])};
+    }
+  }
+  return range;
+}
+
+/// Pictures of one quantity, of several setups side by side, are compared by eye: they share their ordinate.
+void ShareOrdinate(std::span<Picture> pictures) {
+  constexpr double kRoom = 0.05;  // of the range, at either end
+  std::pair<double, double> all = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Picture& one : pictures) {
+    if (one.y.label != pictures[0].y.label || one.y.logarithmic != pictures[0].y.logarithmic || one.y.from) return;
+    const auto [least, most] = InSight(one);
+    all = {std::min(all.first, least), std::max(all.second, most)};
+  }
+  if (!(all.first < all.second)) return;
+  const bool log = pictures[0].y.logarithmic;
+  const double room = kRoom * (log ? std::log(all.second / all.first) : all.second - all.first);
+  for (Picture& one : pictures) {
+    one.y.from = log ? all.first * std::exp(-room) : all.first - room;
+    one.y.to = log ? all.second * std::exp(room) : all.second + room;
   }
 }
 
@@ -134,6 +170,12 @@ std::vector<DrawnFigure> Draw(const Registry& registry, const std::vector<AtlasF
         one.fault = run.failure().ToString();
       }
     }
+  }
+  for (DrawnFigure& one : drawn) {
+    const std::size_t setups = one.figure.scenarios.size();
+    if (one.figure.overlay || setups < 2) continue;
+    for (std::size_t k = 0; k < one.figure.pictures.size(); ++k)
+      ShareOrdinate(std::span(one.pictures).subspan(k * setups, setups));
   }
   return drawn;
 }

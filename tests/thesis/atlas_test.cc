@@ -64,6 +64,27 @@ TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
   EXPECT_THAT(drawn[0].fault, ::testing::HasSubstr("no such picture"));
 }
 
+TEST(Atlas, SetupsSideBySideShareTheirOrdinate) {
+  AtlasFigure figure;
+  figure.number = "3.1";
+  figure.scenarios = {"backlash/clamped", "backlash/clamped_damped"};
+  figure.pictures = {"time:omega_7"};
+  const std::vector<DrawnFigure> drawn = Draw(testing::FullRegistry(), {figure}, {});
+  ASSERT_EQ(drawn.size(), 1u);
+  ASSERT_EQ(drawn[0].fault, "");
+  const std::vector<Picture>& pictures = drawn[0].pictures;
+  ASSERT_EQ(pictures.size(), 2u);
+  ASSERT_TRUE(pictures[0].y.from && pictures[0].y.to);
+  EXPECT_EQ(pictures[0].y.from, pictures[1].y.from);
+  EXPECT_EQ(pictures[0].y.to, pictures[1].y.to);
+  for (const Picture& one : pictures) {
+    for (const Curve& curve : one.curves) {
+      EXPECT_LT(*one.y.from, *std::ranges::min_element(curve.y));
+      EXPECT_GT(*one.y.to, *std::ranges::max_element(curve.y));
+    }
+  }
+}
+
 TEST(Settings, TellWhatWasGivenWhereAndWhatWasNot) {
   const auto prepared = Shipped("suppression/adaptive.toml", {"plant.inertia.I5=0.1"});
   std::map<std::string, Setting> settings;

@@ -52,16 +52,17 @@ std::string ClaimRow(const ClaimResult& result) {
   std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
   if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
   const std::string allowed = AllowedText(claim);
-  return Row(std::vector<Cell>{{Escape(claim.id), "key"},
-                               {Escape(claim.place)},
-                               {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "wide"},
+  // Name, place and standing below one another: the sentence needs the width.
+  const std::string name = fmt::format("{}<div class=\"note\">{}</div><div class=\"verdict {}\">{}</div>",
+                                       Escape(claim.id), Escape(claim.place), standing, Escape(says));
+  return Row(std::vector<Cell>{{name, "key"},
+                               {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "text"},
                                {Number(claim.thesis), "number"},
                                {Number(claim.independent), "number"},
                                {Number(ours), "number"},
                                {allowed.empty() ? "–" : Escape(allowed), "number"},
                                {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
-                               {Escape(claim.unit == "1" ? "" : claim.unit)},
-                               {fmt::format("<span class=\"verdict {}\">{}</span>", standing, Escape(says))}});
+                               {Escape(claim.unit == "1" ? "" : claim.unit)}});
 }
 
 /// What the thesis says of it and what comes out here, in one line.
@@ -139,16 +140,14 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
     contents += Row(row);
     parts += fmt::format("<details class=\"part\" id=\"{}\" open><summary><h2>{}</h2></summary>\n", id, Escape(title));
     if (!chapter.rows.empty()) {
-      parts += Table(std::vector<Cell>{{"claim"},
-                                       {"place"},
+      parts += Table(std::vector<Cell>{{"claim, place, standing"},
                                        {"what it says, and what to know of it"},
                                        {"thesis says", "number"},
                                        {"independent", "number"},
                                        {"ours", "number"},
                                        {"allowed", "number"},
                                        {"deviation", "number"},
-                                       {"unit"},
-                                       {"standing"}},
+                                       {"unit"}},
                      chapter.rows);
     }
     parts += chapter.figures + "</details>\n";
