@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "experiment/drive_by_record.h"
 #include "scenario/load.h"
 #include "trace/time_base.h"
 
@@ -34,7 +35,7 @@ std::string Plain(const std::string& name) {
 
 class Proposal {
  public:
-  explicit Proposal(const trace::Record& record) : record_(record) {
+  Proposal(const trace::Record& record, const Plan& plan) : record_(record), plan_(plan) {
     for (std::size_t i = 0; i < record.columns.size(); ++i) {
       if (MayBeTime(i)) times_.push_back(i);
     }
@@ -65,12 +66,18 @@ class Proposal {
     return rises && (IsQuantity(column.unit, "s") || Plain(column.name).starts_with("t"));
   }
 
+  std::string UnitFor(const trace::Column& time) const {
+    const double span = time.values.back() - time.values.front();
+    return TimeUnitFor(span, span / static_cast<double>(std::max<std::size_t>(2, time.values.size()) - 1), plan_, "s");
+  }
+
   std::string Clock() const {
     if (record_.time) {
       const trace::Column& time = record_.columns[*record_.time];
       if (!time.unit.empty()) return "";
-      return fmt::format("# unsure: no unit stands at {}; seconds are taken\n", time.name) + Line("time", time.name) +
-             Line("time_unit", "s");
+      const std::string unit = UnitFor(time);
+      return fmt::format("# unsure: no unit stands at {}; {} is what fits the scenario\n", time.name, unit) +
+             Line("time", time.name) + Line("time_unit", unit);
     }
     if (times_.empty()) return "# unsure: no column rises as time does; samples per second:\nrate_hz = 1000\n";
     const trace::Column& time = record_.columns[times_.front()];
@@ -78,7 +85,7 @@ class Proposal {
     for (std::size_t k = 1; k < times_.size(); ++k)
       others += (k > 1 ? ", " : "; or: ") + record_.columns[times_[k]].name;
     return fmt::format("# unsure: it rises{}\n", others) + Line("time", time.name) +
-           Line("time_unit", time.unit.empty() ? "s" : time.unit);
+           Line("time_unit", time.unit.empty() ? UnitFor(time) : time.unit);
   }
 
   std::string Channel(const char* section, const SignalName& signal) {
@@ -116,14 +123,15 @@ class Proposal {
   }
 
   const trace::Record& record_;
+  const Plan& plan_;
   std::vector<std::size_t> times_, taken_;
 };
 
 }  // namespace
 
 std::string ProposeMap(const trace::Record& record, const std::vector<SignalName>& inputs,
-                       const std::vector<SignalName>& outputs) {
-  return Proposal(record).Text(inputs, outputs);
+                       const std::vector<SignalName>& outputs, const Plan& plan) {
+  return Proposal(record, plan).Text(inputs, outputs);
 }
 
 }  // namespace dynoproof::app

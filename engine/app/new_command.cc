@@ -182,7 +182,8 @@ int NewMap(const Common& common, const std::string& record_file, const std::stri
   std::error_code error;
   if (fs::exists(file, error)) diagnostics.Error({file}, "is there already", "remove it, or go on with it");
   if (Report(diagnostics) != kGood || prepared == nullptr) return kUsage;
-  if (const int failed = WriteText(file, ProposeMap(*record, InputNames(*prepared->rig), OutputNames(*prepared->rig))))
+  if (const int failed =
+          WriteText(file, ProposeMap(*record, InputNames(*prepared->rig), OutputNames(*prepared->rig), prepared->plan)))
     return failed;
   Print(
       common,

@@ -264,35 +264,45 @@ Plan StartingInto(const Plan& plan, std::size_t record) {
   return own;
 }
 
-std::optional<ForeignTime> ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
+std::string TimeUnitFor(double span, double step, const Plan& plan, const std::string& read) {
   // A scenario's duration and period are those of its experiment. A record that lasts hundreds of times as long, in steps
   // as much longer, is another one, or in milliseconds.
   constexpr double kForeign = 100.0;
-  const double duration_s = plan.root.NumberOr("run.duration_s", 0.0);
-  const double period_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
-  const auto& signals = data.inputs.empty() ? data.outputs : data.inputs;
-  if (duration_s <= 0.0 || signals.empty()) return std::nullopt;
-  const Values& time = *signals.begin()->second.time;
-  const double step_s = data.end_s / static_cast<double>(std::max<std::size_t>(2, time.size()) - 1);
-  const bool slow = step_s > kForeign * period_s && data.end_s > kForeign * duration_s;
-  const bool fast = step_s * kForeign < period_s && data.end_s * kForeign < duration_s;
-  if (!slow && !fast) return std::nullopt;
-  // The unit under which the record lasts as long as the scenario.
   static constexpr std::pair<const char*, double> kUnits[] = {
       {"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
-  const std::optional<Unit> read = ParseUnit(data.time_unit.empty() ? "s" : data.time_unit);
-  const double right = (read ? read->factor : 1.0) * duration_s / data.end_s;
-  const auto* const unit = std::min_element(std::begin(kUnits), std::end(kUnits), [&](const auto& a, const auto& b) {
-    return std::abs(std::log(a.second / right)) < std::abs(std::log(b.second / right));
-  });
-  const std::string way_out = data.time_column.empty()
-                                  ? std::string("say its clock in a map file (dynoproof describe map)")
-                                  : fmt::format("say it in a map file: time = {{ column = \"{}\", unit = \"{}\" }}",
-                                                data.time_column, unit->first);
+  const double duration_s = plan.root.NumberOr("run.duration_s", 0.0);
+  const double period_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
+  const std::optional<Unit> unit = ParseUnit(read);
+  const double factor = unit ? unit->factor : 1.0, span_s = span * factor, step_s = step * factor;
+  const bool slow = step_s > kForeign * period_s && span_s > kForeign * duration_s;
+  const bool fast = step_s * kForeign < period_s && span_s * kForeign < duration_s;
+  if (!(duration_s > 0.0) || (!slow && !fast)) return read;
+  const double right = duration_s / span;
+  return std::min_element(std::begin(kUnits), std::end(kUnits),
+                          [&](const auto& a, const auto& b) {
+                            return std::abs(std::log(a.second / right)) < std::abs(std::log(b.second / right));
+                          })
+      ->first;
+}
+
+std::optional<ForeignTime> ForeignTimeScale(const MappedRecord& data, const Plan& plan) {
+  const auto& signals = data.inputs.empty() ? data.outputs : data.inputs;
+  if (signals.empty()) return std::nullopt;
+  const std::string read = data.time_unit.empty() ? "s" : data.time_unit;
+  const double factor = ParseUnit(read) ? ParseUnit(read)->factor : 1.0;
+  const double rows = static_cast<double>(std::max<std::size_t>(2, signals.begin()->second.time->size()));
+  const double step_s = data.end_s / (rows - 1.0);
+  const std::string unit = TimeUnitFor(data.end_s / factor, step_s / factor, plan, read);
+  if (unit == read) return std::nullopt;
+  const std::string way_out =
+      data.time_column.empty()
+          ? std::string("say its clock in a map file (dynoproof describe map)")
+          : fmt::format("say it in a map file: time = {{ column = \"{}\", unit = \"{}\" }}", data.time_column, unit);
   return ForeignTime{
       fmt::format("the record lasts {:.4g} s in steps of {:.3g} s, the scenario {:.4g} s in steps of {:g} s: "
                   "its time was read in {}, is it in {}?",
-                  data.end_s, step_s, duration_s, period_s, data.time_unit.empty() ? "s" : data.time_unit, unit->first),
+                  data.end_s, step_s, plan.root.NumberOr("run.duration_s", 0.0),
+                  plan.root.NumberOr("run.period_s", RunSettings{}.period_s), read, unit),
       way_out};
 }
 

@@ -30,6 +30,10 @@ std::string StartOfRecord(std::size_t record);
 /// The plan as it starts into one record: with what it holds for that one alone.
 Plan StartingInto(const Plan& plan, std::size_t record);
 
+/// The unit of a clock by which a record of this span and step [in units as read] fits the time scales of the scenario; `read`
+/// where that does.
+std::string TimeUnitFor(double span, double step, const Plan& plan, const std::string& read);
+
 /// That the record has nothing to do with the time scales of the scenario, e.g. milliseconds taken as seconds.
 struct ForeignTime {
   std::string what, way_out;

@@ -323,6 +323,15 @@ class FieldRecords(Steps):
         a, b = self.write("a.csv", csv(rows[300:700])), self.write("b.csv", csv(rows[500:]))
         self.truth(self.identified(f"{a} --data {b}"), EXACT)
 
+    def test_a_clock_in_milliseconds_that_says_no_unit(self):
+        """The map that is proposed has the unit that fits the scenario."""
+        rows = held().rows()
+        rows[:, 0] *= 1000
+        record = self.write("ms.csv", csv(rows))
+        self.shell(f"dynoproof new map {record} --scenario line.toml")
+        self.assertIn('time_unit = "ms"', (self.folder / "ms.map.toml").read_text())
+        self.exact(record, " --map ms.map.toml")
+
     def with_friction(self, every):
         """The program's own run of the line with dry friction at I3, from 0.6 s on, each so many rows."""
         (self.folder / "rubs.toml").write_text((self.folder / "line.toml").read_text() +
