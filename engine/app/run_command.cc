@@ -64,8 +64,7 @@ std::string ComparedWith(const ScenarioResult& result, const Registry& registry)
   }
   if (with.size() == 1 && with.contains("a second solver"))
     return "compared with: a second solver alone, so the model itself is not judged; `bless` keeps a golden trace, "
-           "--data "
-           "compares with a record\n";
+           "--data compares with a record\n";
   std::string text;
   for (const auto& [what, checks] : with) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, checks);
   return "compared with: " + text + "\n";
@@ -199,7 +198,9 @@ int Run(const RunArguments& arguments) {
     data = ReadData(arguments, *scenarios[0]->rig, diagnostics);
     if (data && identification::BringIn(scenarios[0]->plan, *registry, *data, diagnostics)) {
       options.data = &*data;
-      options.start = BeginAsRecorded(scenarios[0]->plan, *registry, *data);
+      // A scenario that a diagnosis has extended may hold the start that it found along with the cause.
+      if (scenarios[0]->plan.root.FindPath("extension.start") == nullptr)
+        options.start = BeginAsRecorded(scenarios[0]->plan, *registry, *data);
       scenarios[0] = Prepare(files[0], options, *registry, diagnostics);
     }
   }

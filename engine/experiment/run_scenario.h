@@ -24,8 +24,8 @@ struct ScenarioResult {
   std::string broken;                            // why, for a verdict of kBroken
   int exit_code = 3;                             // of that failure
   std::vector<std::string> notes;
-  std::vector<std::string>
-      changes;  // what to suspect first: "by --set: plant.inertia.I3 = 0.6 (was 0.5)", "modes moved ..."
+  // What to suspect first: "by --set: plant.inertia.I3 = 0.6 (was 0.5)", "modes moved from ...".
+  std::vector<std::string> changes;
 };
 
 /// A simulated scenario: the samples, and the trace with everything that is derived from them.

@@ -80,8 +80,7 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
     distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
   record.notes.push_back(fmt::format(
       "between their samples the inputs are taken as {}, which neither file nor map says: corrected by the record with "
-      "a "
-      "short memory the outputs are off by (NRMSE) {}{}; if you know it, state it in a map: between = \"{}\"",
+      "a short memory the outputs are off by (NRMSE) {}{}; if you know it, state it in a map: between = \"{}\"",
       taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
 }
 

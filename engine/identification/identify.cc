@@ -158,18 +158,17 @@ Status InOneStage(const EstimationProblem& problem, const std::vector<Axis>& axe
 }
 
 /// Of a model that a corrected fit found to be exact: the free run has its minimum nearby then, and there each record's own
-/// start and the doubts of its stamps are known.
-Status GoOnInFreeRun(const EstimationProblem& problem, const std::vector<Axis>& axes, Identified& result) {
+/// start and the doubts of its stamps are known. Where a run breaks beside it, the corrected fit stands.
+void GoOnInFreeRun(const EstimationProblem& problem, const std::vector<Axis>& axes, Identified& result) {
   Identified free_run;
   free_run.converged = 1;
   MultiStartOptions search = {.starts = 1};
   for (std::size_t i = 0; i < axes.size(); ++i) search.first.push_back(axes[i].At(result.values[i].value));
-  if (Status failed = InOneStage(problem, axes, IdentifyMethod::kFreeRun, search, free_run)) return failed;
+  if (InOneStage(problem, axes, IdentifyMethod::kFreeRun, search, free_run)) return;
   result.values = std::move(free_run.values);
   result.covariance = std::move(free_run.covariance);
   result.singular = std::move(free_run.singular);
   result.alike = std::move(free_run.alike);
-  return {};
 }
 
 bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).starts_with("damping"); }
@@ -239,9 +238,7 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
     if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
   } else if (options.method == IdentifyMethod::kCorrected) {
     if (Status failed = FitCorrected(problem, options, result)) return *failed;
-    if (!result.level->memory_s) {
-      if (Status failed = GoOnInFreeRun(problem, axes, result)) return *failed;
-    }
+    if (!result.level->memory_s) GoOnInFreeRun(problem, axes, result);
   } else {
     const MultiStartOptions search = {options.starts, TriesOf(options), options.progress};
     if (Status failed = InOneStage(problem, axes, options.method, search, result)) return *failed;

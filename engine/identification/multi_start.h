@@ -47,8 +47,7 @@ struct MultiStartOptions {
   int starts = 4;         // the first is the nominal one, the others the best of several random points each
   std::size_t tries = 1;  // random points for a start: as many as do not count beside a fit
   std::function<void(double)> progress = [](double) {};
-  std::vector<double> first =
-      {};  // where the first start begins, in the axes' own numbers; empty: at the nominal values
+  std::vector<double> first = {};  // where the first start begins [axes' own numbers]; empty: nominal values
 };
 
 /// Where the best of all starts came to rest.
