@@ -50,7 +50,8 @@ std::string Again(const RunArguments& arguments, const std::string& file) {
   return text;
 }
 
-/// What a scenario that passes was compared with. Two solvers integrate the same model, and agree where it is wrong.
+/// A line that lists the references of the checks of a scenario. Two solvers integrate the same model, and agree where the model
+/// is wrong.
 std::string ComparedWith(const ScenarioResult& result, const Registry& registry) {
   std::map<std::string, int> with;
   for (const score::Check& check : result.checks) {

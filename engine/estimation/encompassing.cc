@@ -37,8 +37,8 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
 
 Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data,
                     const std::vector<ChannelScale>& scales) {
-  // What is left below the noise is no noise: the input's course between samples, or round-off. It goes with the difference
-  // of two models as it likes, and its blocks know nothing of that.
+  // Innovations smaller than the measurement noise come from the course of an input between its samples, or from round-off. They
+  // are systematic, so that sums over blocks understate the standard error.
   VectorXd weight(a.size()), least(a.size());
   for (std::size_t c = 0; c < data.channels().size(); ++c) {
     const Channel& channel = data.channels()[c];

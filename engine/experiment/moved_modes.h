@@ -1,4 +1,4 @@
-// What a changed number does to a drive line, for a person who sees that a run is no longer the golden one.
+// The eigenfrequencies that a changed number has moved, as a cause of a failed comparison with a golden trace.
 #pragma once
 
 #include <string>

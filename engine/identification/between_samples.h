@@ -17,8 +17,8 @@ struct BetweenFit {
 };
 
 /// The distance of the record from what `plan` predicts, by what the inputs of which nobody says it do between their
-/// samples; "held" is first. Of a run that the record corrects with a short memory: half a sample of an input is a force that is
-/// wrong, and that shows there whatever else the model lacks, which a free run adds up. Empty where every input is stated, or
+/// samples; "held" is first. The run is corrected by the record with a short memory: an input that is half a sample late is an error
+/// of force, which innovations show at once, while a free run accumulates whatever else the model lacks. Empty where every input is stated, or
 /// nothing can be compared.
 std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registry, const MappedRecord& record);
 

@@ -157,8 +157,8 @@ Status InOneStage(const EstimationProblem& problem, const std::vector<Axis>& axe
   return {};
 }
 
-/// Of a model that a corrected fit found to be exact: the free run has its minimum nearby then, and there each record's own
-/// start and the doubts of its stamps are known. Where a run breaks beside it, the corrected fit stands.
+/// Refines an exact model in the free run, whose minimum is near the corrected fit; the free run's objective estimates the start of
+/// each record and counts the uncertainty of its stamps. Where a run breaks, the corrected fit stands.
 void GoOnInFreeRun(const EstimationProblem& problem, const std::vector<Axis>& axes, Identified& result) {
   Identified free_run;
   free_run.converged = 1;
@@ -210,7 +210,7 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
   const double after = result.level ? result.level->nrmse_after : result.nrmse_after;
   if (!(after <= kWorse * before))
     doubts.push_back(fmt::format("the fit leaves more than it found: NRMSE {:.3g} -> {:.3g}", before, after));
-  // Beside a record that corrects it any model is near: there it must have come nearer, or leave nothing but noise.
+  // The record keeps a corrected run of any model near: a fit must have lowered its error, or have reached the noise.
   const bool nearer = result.level && (result.level->at_noise || after <= kNothing * before);
   if (!(after <= kNothing) || (result.level && !nearer && !(result.nrmse_after <= kNothing)))
     doubts.push_back(fmt::format("the fit explains nothing: NRMSE {:.3g}; is it the right record, in the right units?",

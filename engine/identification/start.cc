@@ -26,6 +26,14 @@ void Write(Plan& plan, const std::string& path, double value) {
   (*table)[path.substr(begin)] = Value(value);
 }
 
+/// The weight of each row: one over the spread of its channel.
+Eigen::VectorXd WeightsOf(const EstimationProblem& problem) {
+  Eigen::VectorXd weights(problem.measured().size());
+  for (const Channel& c : problem.channels())
+    weights.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
+  return weights;
+}
+
 double Read(const Plan& plan, std::size_t record, const std::string& path) {
   return plan.root.NumberOr(StartOfRecord(record) + "." + path, plan.root.NumberOr(path, 0.0));
 }
@@ -76,9 +84,7 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
     for (const Nuisance* start : starts) values.push_back(Read(plan, r, start->path));
     const Result<Eigen::VectorXd> before = predict(values);
     if (!before.ok()) return before.failure();
-    Eigen::VectorXd weight(before->size());  // of each row
-    for (const Channel& c : own.channels())
-      weight.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
+    const Eigen::VectorXd weight = WeightsOf(own);
     Eigen::MatrixXd slopes(before->size(), static_cast<Eigen::Index>(starts.size()));
     std::vector<Status> failed(starts.size());
     ParallelFor(starts.size(), 0, [&](std::size_t k) {
@@ -109,11 +115,7 @@ namespace {
 double LeftOf(const EstimationProblem& problem, const Plan& plan) {
   const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
   if (!predicted.ok()) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (const Channel& c : problem.channels())
-    sum += (problem.measured() - *predicted).segment(c.begin, c.count).squaredNorm() /
-           std::pow(std::max(c.spread, 1e-12 * c.nominal), 2);
-  return sum;
+  return (problem.measured() - *predicted).cwiseProduct(WeightsOf(problem)).squaredNorm();
 }
 
 /// The plan after steps over the first share of the records, while these halve what is left there.

@@ -1,4 +1,4 @@
-// What a scenario states, and in what two of them differ, for a person.
+// The values that a scenario states, and the differences between two scenarios, as text.
 #pragma once
 
 #include <string>
