@@ -40,7 +40,7 @@ std::string Spoken(const Diagnosis& d) {
   for (const diagnosis::FoundEffect& effect : d.effects)
     text += fmt::format("{}{} at {}", text.empty() ? "" : " and ", effect.name, effect.at);
   const std::string verdict = ToString(d.verdict);
-  if (d.verdict == diagnosis::Verdict::kEffectFound && !text.empty()) return text;
+  if (d.verdict == diagnosis::Conclusion::kEffectFound && !text.empty()) return text;
   return text.empty() ? verdict : fmt::format("{}, {}", verdict, text);
 }
 
@@ -161,7 +161,8 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
     title += (i > 0 ? ", " : "") + std::filesystem::path(records[i]).filename().string();
   }
   title += ": " + Spoken(d);
-  const bool settled = d.verdict == diagnosis::Verdict::kEffectFound || d.verdict == diagnosis::Verdict::kNoEffect;
+  const bool settled =
+      d.verdict == diagnosis::Conclusion::kEffectFound || d.verdict == diagnosis::Conclusion::kNoEffect;
   const std::string lead =
       fmt::format("<span class=\"verdict {}\">{}</span> {}{}.", settled ? "pass" : "inconclusive", ToString(d.verdict),
                   Escape(d.effects.empty() ? "" : WithNumbers(d) + ": "), Escape(d.reason));

@@ -63,7 +63,7 @@ void AddSuspects(const diagnosis::EstimationProblem& problem, std::vector<diagno
   if (!suspects.ok()) return;
   for (const identification::Suspect& one : *suspects) {
     if (!identification::AccountsFor(one.nrmse)) continue;
-    findings.push_back({false, "suspect", "",
+    findings.push_back({one.certain, "suspect", "",
                         fmt::format("with {} the record would be {:.3g} off the simulation (NRMSE): a map says units, "
                                     "signs and columns",
                                     one.text, one.nrmse),

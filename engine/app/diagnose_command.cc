@@ -94,7 +94,7 @@ int Diagnose(const DiagnoseArguments& arguments) {
   for (const std::string& note : result->notes) Note(note + "\n");
   result->notes.insert(result->notes.end(), of_records.begin(), of_records.end());
   const bool open =
-      result->verdict != diagnosis::Verdict::kEffectFound && result->verdict != diagnosis::Verdict::kNoEffect;
+      result->verdict != diagnosis::Conclusion::kEffectFound && result->verdict != diagnosis::Conclusion::kNoEffect;
   const int exit = arguments.strict && open ? kUndecided : kGood;
   int written = kGood;
   if (!arguments.html.empty()) {

@@ -158,7 +158,7 @@ Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
   std::vector<Finding> findings;
   const Result<Eigen::VectorXd> nominal = problem.Predict(problem.Nominal());
   if (!nominal.ok()) return nominal.failure();
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     const auto measured = problem.measured().segment(channel.begin, channel.count);
     const auto predicted = nominal->segment(channel.begin, channel.count);
     const auto count = static_cast<std::size_t>(channel.count);
@@ -177,7 +177,7 @@ Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
     // the other's; lightly damped signals fall out of step, and then look like any other.
     constexpr double kOfASize = 3.0;
     const auto apart = [&channel](double spread) { return std::abs(std::log(channel.spread / spread)); };
-    for (const Channel& other : problem.channels()) {
+    for (const ComparedOutput& other : problem.channels()) {
       if (other.record != channel.record || other.name == channel.name || other.count != channel.count) continue;
       const auto simulated = nominal->segment(other.begin, other.count);
       const double there = std::abs(Correlation(measured, simulated));
@@ -244,7 +244,7 @@ Result<std::vector<Finding>> DistancesOf(const EstimationProblem& problem) {
   const Result<Eigen::VectorXd> nominal = problem.Predict(problem.Nominal());
   if (!nominal.ok()) return nominal.failure();
   std::vector<Finding> findings;
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     if (!TooFew(static_cast<std::size_t>(channel.count)).empty() || !(channel.spread > 1e-12 * channel.nominal))
       continue;
     const auto measured = problem.measured().segment(channel.begin, channel.count);

@@ -187,7 +187,7 @@ void Leave(const Judged& judged, const Diagnosis& result, std::map<std::string, 
   if (!judged.with_cause.ok()) return;
   const Eigen::VectorXd residual = judged.problem.measured() - *judged.with_cause;
   for (std::size_t c = 0; c < judged.problem.channels().size(); ++c) {
-    const Channel& channel = judged.problem.channels()[c];
+    const ComparedOutput& channel = judged.problem.channels()[c];
     const auto gain = result.holdout.find(channel.name);
     const auto floor = result.floor_by_signal.find(channel.name);
     if (gain == result.holdout.end() || floor == result.floor_by_signal.end()) continue;
@@ -207,7 +207,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   if (!model.Holds(level)) return {};
   const estimation::Estimate& fit = model.levels[level];
   result.effects = FoundOf(model, levels, settled);
-  if (result.verdict == Verdict::kAmbiguous) {
+  if (result.verdict == Conclusion::kAmbiguous) {
     std::vector<std::string> names;
     std::vector<identification::EffectInstance> instances;
     for (const std::size_t i : settled.causes) {
@@ -251,7 +251,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   }
   result.noise_floor = std::sqrt(floor / static_cast<double>(floors.size()));
   result.at_noise_floor = IsExact(fit);
-  if (result.verdict == Verdict::kMainCause) Leave(judged, result, result.left);
+  if (result.verdict == Conclusion::kMainCause) Leave(judged, result, result.left);
   if (before.ok()) result.where = Localise(problem, problem.measured() - *before, floors);
   if (after.ok()) TestResidual(problem, *after, result);
   result.not_testable = NotTestableOf(problem);

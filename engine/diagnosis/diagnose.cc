@@ -33,7 +33,7 @@ struct Answer {
 bool Adds(const Answer& before, const Answer& next) {
   if (next.settled.causes.empty()) return false;
   if (next.settled.exact) return true;
-  if (next.settled.verdict != Verdict::kMainCause || !(next.settled.explains >= policy::kMainCause)) return false;
+  if (next.settled.verdict != Conclusion::kMainCause || !(next.settled.explains >= policy::kMainCause)) return false;
   const Contestant& second = next.contest.contestants[next.settled.causes.front()];
   const auto stood = [&](std::size_t i) {
     return before.contest.contestants[i].hypothesis.effects().back() == second.hypothesis.effects().back();
@@ -245,8 +245,8 @@ class Pipeline {
     result_.verdict = settled.verdict;
     result_.reason = settled.reason;
     // A first of several causes may explain little; what stands alone at the end and is called the main one explains half.
-    if (settled.verdict == Verdict::kMainCause && !(settled.explains >= policy::kMainCause)) {
-      result_.verdict = Verdict::kUnexplained;
+    if (settled.verdict == Conclusion::kMainCause && !(settled.explains >= policy::kMainCause)) {
+      result_.verdict = Conclusion::kUnexplained;
       result_.reason =
           fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part",
                       contest.contestants[settled.causes.front()].Name(), 100.0 * settled.explains);
@@ -256,7 +256,7 @@ class Pipeline {
     if (Status failed = Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_,
                                  alike, result_))
       return *failed;
-    if (result_.verdict == Verdict::kNoEffect)
+    if (result_.verdict == Conclusion::kNoEffect)
       result_.would_have_seen = SmallestSeen(contest.null(), levels_, magnitudes_, problem_.registry());
     const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
     result_.simulations = static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
@@ -278,7 +278,7 @@ class Pipeline {
     for (const std::size_t i : answer.settled.causes) names.push_back(answer.contest.contestants[i].Name());
     names.insert(names.end(), alike.begin(), alike.end());
     const bool few = names.size() <= policy::kMostAlike;
-    result_.verdict = few ? Verdict::kAmbiguous : Verdict::kUnexplained;
+    result_.verdict = few ? Conclusion::kAmbiguous : Conclusion::kUnexplained;
     result_.reason = fmt::format("{}: {}", few ? "these records do not separate" : "too many leave nothing but noise",
                                  fmt::join(names, ", "));
   }

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "base/status.h"
+#include "diagnosis/conclusion.h"
 #include "diagnosis/gain.h"
 #include "diagnosis/journal.h"
 #include "diagnosis/localisation.h"
-#include "diagnosis/verdict.h"
 #include "identification/residual_tests.h"
 
 namespace dynoproof::diagnosis {
@@ -63,7 +63,7 @@ struct Refitted {
 };
 
 struct Diagnosis {
-  Verdict verdict = Verdict::kUnexplained;
+  Conclusion verdict = Conclusion::kUnexplained;
   std::vector<FoundEffect> effects;
   std::vector<std::vector<std::string>> ambiguous_with;  // each a set of candidates that look alike
   std::string experiment_text, experiment_scenario, extended_scenario;

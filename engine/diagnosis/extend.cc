@@ -67,7 +67,7 @@ std::string AsToml(const Value& value, const std::string& written) {
 constexpr double kSolver = 5e-4;
 
 /// How far apart the two solvers may be, in the signal's spread: a tenth of what the record can tell.
-double LimitOf(const Channel& channel, const Diagnosis& diagnosis) {
+double LimitOf(const ComparedOutput& channel, const Diagnosis& diagnosis) {
   const auto floor = diagnosis.floor_by_signal.find(channel.name);
   const double noise =
       floor != diagnosis.floor_by_signal.end() && channel.spread > 0.0 ? floor->second / channel.spread : 0.0;
@@ -80,7 +80,7 @@ std::string OwnChecks(const EstimationProblem& problem, const Diagnosis& diagnos
   const bool windows = problem.plan().root.FindPath("prediction_window_s") != nullptr;
   std::set<std::string> signals;
   std::string text;
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     if (!signals.insert(channel.name).second) continue;
     text += fmt::format(
         "\n[[check]]\nkind = \"{}\"\nsignal = \"{}\"\nnrmse = {}\n"

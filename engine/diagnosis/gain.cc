@@ -40,7 +40,7 @@ void Bootstrap(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, double
 std::map<std::string, SignalGain> GainsOf(const EstimationProblem& problem, const Eigen::VectorXd& before,
                                           const Eigen::VectorXd& after, double from) {
   std::map<std::string, SignalGain> all;
-  for (const Channel& c : problem.channels()) {
+  for (const ComparedOutput& c : problem.channels()) {
     const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
     const Eigen::Index count = c.count - first;
     if (count < 10) continue;
@@ -68,7 +68,7 @@ std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eige
   constexpr Eigen::Index kBlocks = 40, kLeastRows = 5;
   constexpr std::uint64_t kDraws = 1000;
   std::vector<std::pair<double, double>> sums(kBlocks, {0.0, 0.0});  // of time, all signals together
-  for (const Channel& c : problem.channels()) {
+  for (const ComparedOutput& c : problem.channels()) {
     const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
     const Eigen::Index count = c.count - first, length = count / kBlocks;
     if (length < kLeastRows) continue;

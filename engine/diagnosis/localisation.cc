@@ -26,7 +26,8 @@ std::vector<std::pair<double, double>> Spans(const std::vector<bool>& bad, const
   return spans;
 }
 
-std::vector<std::pair<double, double>> Times(const Eigen::VectorXd& residual, const Channel& channel, double floor) {
+std::vector<std::pair<double, double>> Times(const Eigen::VectorXd& residual, const ComparedOutput& channel,
+                                             double floor) {
   constexpr std::size_t kWindows = 40;
   std::vector<bool> bad(kWindows);
   std::vector<double> edges;
@@ -43,7 +44,8 @@ std::vector<std::pair<double, double>> Times(const Eigen::VectorXd& residual, co
 }
 
 /// Third-octave bands whose power is more than four times that of white noise at the floor.
-std::vector<std::pair<double, double>> Bands(const Eigen::VectorXd& residual, const Channel& channel, double floor) {
+std::vector<std::pair<double, double>> Bands(const Eigen::VectorXd& residual, const ComparedOutput& channel,
+                                             double floor) {
   std::vector<double> x(residual.data(), residual.data() + residual.size());
   const double mean = residual.mean();
   for (double& value : x) value -= mean;
@@ -80,7 +82,8 @@ double Contrast(const Eigen::VectorXd& residual, const std::vector<double>& x) {
   return sums[0] > 0.0 && counts[0] > 0 && counts[1] > 0 ? std::sqrt(sums[1] / counts[1] / (sums[0] / counts[0])) : 1.0;
 }
 
-std::string Condition(const EstimationProblem& problem, const Channel& channel, const Eigen::VectorXd& residual) {
+std::string Condition(const EstimationProblem& problem, const ComparedOutput& channel,
+                      const Eigen::VectorXd& residual) {
   const MappedRecord& record = problem.records()[channel.record];
   const std::vector<double>& time = *record.outputs.at(channel.name).time;
   std::string text;
@@ -107,7 +110,7 @@ std::string Condition(const EstimationProblem& problem, const Channel& channel, 
 
 WhereWrong LocaliseIn(const EstimationProblem& problem, const Eigen::VectorXd& residual, std::size_t at, double floor) {
   constexpr double kWorth = 1.5;  // times the floor: below, nobody would see a difference
-  const Channel& channel = problem.channels()[at];
+  const ComparedOutput& channel = problem.channels()[at];
   const Eigen::VectorXd rows = residual.segment(channel.begin, channel.count);
   WhereWrong where{channel.name, Times(rows, channel, floor), Bands(rows, channel, floor), ""};
   if (RmsOf(rows) > kWorth * floor) where.condition = Condition(problem, channel, rows);
@@ -119,7 +122,7 @@ WhereWrong Localise(const EstimationProblem& problem, const Eigen::VectorXd& res
   double worst = 0.0;
   std::size_t at = 0;
   for (std::size_t c = 0; c < problem.channels().size(); ++c) {
-    const Channel& channel = problem.channels()[c];
+    const ComparedOutput& channel = problem.channels()[c];
     const double rms = RmsOf(residual.segment(channel.begin, channel.count));
     if (floor[c] > 0.0 && rms / floor[c] > worst) worst = rms / floor[c], at = c;
   }

@@ -17,7 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 using Values = std::vector<double>;
 
-Values Part(const Eigen::VectorXd& all, const Channel& channel) {
+Values Part(const Eigen::VectorXd& all, const ComparedOutput& channel) {
   return {all.data() + channel.begin, all.data() + channel.begin + channel.count};
 }
 
@@ -67,7 +67,7 @@ struct Courses {
   Values time, measured, nominal, extended;  // extended: empty without one
 };
 
-void AddOf(const Channel& channel, const std::string& title, const Courses& c, std::vector<Picture>& pictures) {
+void AddOf(const ComparedOutput& channel, const std::string& title, const Courses& c, std::vector<Picture>& pictures) {
   const Axis time{"t", "s"}, value{channel.name, channel.unit};
   const Values before = Minus(c.measured, c.nominal);
   Picture overlay{.key = "overlay:" + title, .title = title, .x = time, .y = value, .course = true};
@@ -116,7 +116,7 @@ Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedR
     after = std::move(*predicted);
   }
   std::vector<Picture> pictures;
-  const auto courses = [&](const Channel& channel) {
+  const auto courses = [&](const ComparedOutput& channel) {
     Courses c{{problem.time_s().begin() + channel.begin, problem.time_s().begin() + channel.begin + channel.count},
               Part(problem.measured(), channel),
               Part(*before, channel),
@@ -124,12 +124,12 @@ Result<std::vector<Picture>> Look(const Plan& nominal, const std::vector<MappedR
     if (after) c.extended = Part(*after, channel);
     return c;
   };
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     const std::string title =
         records.size() > 1 ? fmt::format("{}, record {}", channel.name, channel.record + 1) : channel.name;
     const Courses own = courses(channel);
     AddOf(channel, title, own, pictures);
-    for (const Channel& other : problem.channels()) {
+    for (const ComparedOutput& other : problem.channels()) {
       if (other.record != channel.record || other.count != channel.count) continue;
       const Courses along = courses(other);
       Picture picture{.key = "over:" + title + ":" + other.name,

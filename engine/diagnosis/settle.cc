@@ -152,7 +152,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   settled.causes = standing;
   if (standing.empty()) {
     const bool null = all[0].Holds(level) && IsExact(all[0].levels[level]) && level == levels.free_run();
-    settled.verdict = null && only_here.empty() ? Verdict::kNoEffect : Verdict::kUnexplained;
+    settled.verdict = null && only_here.empty() ? Conclusion::kNoEffect : Conclusion::kUnexplained;
     if (!only_here.empty()) {
       settled.best = only_here.front();
       settled.reason =
@@ -162,11 +162,11 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
                             : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
     }
   } else if (standing.size() == 1) {
-    settled.verdict = Verdict::kEffectFound;
+    settled.verdict = Conclusion::kEffectFound;
     settled.reason =
         fmt::format("{} leaves nothing but noise, and no other model adds to it", Listed(contest, standing));
   } else if (standing.size() <= policy::kMostAlike) {
-    settled.verdict = Verdict::kAmbiguous;
+    settled.verdict = Conclusion::kAmbiguous;
     settled.reason = fmt::format("these records do not separate {}", Listed(contest, standing));
   } else {
     settled.reason = fmt::format("{} models leave nothing but noise and are not separated: {}", standing.size(),
@@ -268,14 +268,14 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   }
   settled.best_explains = largest;
   if (plain.size() == 1) {
-    settled.verdict = Verdict::kMainCause;
+    settled.verdict = Conclusion::kMainCause;
     settled.explains = std::min(explained(plain[0], shorter), explained(plain[0], longer(plain[0])));
     settled.reason = fmt::format(
         "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
         "more than noise",
         all[plain[0]].Name(), 100.0 * explained(plain[0], shorter));
   } else if (!plain.empty() && plain.size() <= policy::kMostAlike) {
-    settled.verdict = Verdict::kAmbiguous;
+    settled.verdict = Conclusion::kAmbiguous;
     settled.reason = fmt::format("these records do not separate {}", Listed(contest, plain));
   } else if (plain.empty()) {
     settled.reason = settled.best

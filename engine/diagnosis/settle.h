@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/conclusion.h"
 #include "diagnosis/contest.h"
 #include "diagnosis/journal.h"
-#include "diagnosis/verdict.h"
 
 namespace dynoproof::diagnosis {
 
@@ -16,7 +16,7 @@ namespace dynoproof::diagnosis {
 using HeldOut = std::vector<std::optional<double>>;
 
 struct Settled {
-  Verdict verdict = Verdict::kUnexplained;
+  Conclusion verdict = Conclusion::kUnexplained;
   std::vector<std::size_t> causes;  // of Contest::contestants: one, or those that cannot be told apart
   std::optional<std::size_t> best;  // that removes most, where no cause is named
   double best_explains = 0.0;       // the share of it on data that took no part

@@ -50,7 +50,7 @@ Magnitudes MagnitudesOf(const EstimationProblem& problem) {
     m.input = std::max(m.input, m.input_rms[name]);
   }
   double torque = 0.0, speed = 0.0;
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     if (channel.record != 0) continue;
     m.output_spread[channel.name] = channel.spread;
     const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);

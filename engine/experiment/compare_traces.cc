@@ -102,6 +102,17 @@ struct Wanted {
   std::span<const double> ends, least, greatest, mean;
 };
 
+/// The stretches that end by `end_s`.
+Wanted UpTo(const Wanted& wanted, double end_s) {
+  const auto n = static_cast<std::size_t>(std::ranges::upper_bound(wanted.ends, end_s) - wanted.ends.begin());
+  return {wanted.ends.first(n), wanted.least.first(n), wanted.greatest.first(n), wanted.mean.first(n)};
+}
+
+score::Series UpTo(const score::Series& series, double end_s) {
+  const auto n = static_cast<std::size_t>(std::ranges::upper_bound(series.time_s, end_s) - series.time_s.begin());
+  return {series.time_s.first(n), series.values.first(n), series.interpolation};
+}
+
 /// Nothing where the reference tells nothing.
 std::optional<Wanted> StretchesIn(const trace::Trace& reference, const trace::Signal& signal) {
   const auto [least, greatest, mean] = StretchNames(signal.name);
@@ -216,18 +227,37 @@ class SignalComparison {
       Note(common->note, notes);
       check.explanation += (check.explanation.empty() ? "" : "; ") + common->note;
     }
-    if (common->fault.empty()) return check;
-    score::Check failed = NotCompared(name_, kind_, common->fault);
-    failed.explanation +=
-        check.verdict == score::Verdict::kPass ? "; what both have is within the tube" : "; and " + check.explanation;
-    failed.evidence = check.evidence;
-    return failed;
+    return common->fault.empty() ? check : InPart(common->fault, check);
   }
 
   const std::string& scale_note() const { return scale_.note; }
 
+  /// A run that ends earlier or later is compared over what both have, and fails all the same.
   score::Check Thinned(const score::Series& reference, const std::optional<Wanted>& wanted,
                        const score::Series& test) const {
+    const std::span<const double> raster = wanted ? wanted->ends : reference.time_s;
+    const double slack = 0.5 * score::MedianStep(test.time_s), last = raster.back(), end = test.time_s.back();
+    const auto after = std::ranges::upper_bound(raster, std::min(last, end) + slack);
+    if (std::abs(end - last) <= slack || after == raster.begin()) return OfOneLength(reference, wanted, test);
+    const double common = *std::prev(after) + slack;
+    return InPart(fmt::format("the run {}: it ends at {:.9g} s, the reference at {:.9g} s",
+                              end < last ? "is short" : "goes on", end, last),
+                  OfOneLength(UpTo(reference, common), wanted ? std::optional(UpTo(*wanted, common)) : std::nullopt,
+                              UpTo(test, common)));
+  }
+
+ private:
+  /// What fails since only a part was compared; `of_part` says how that part is.
+  score::Check InPart(const std::string& fault, const score::Check& of_part) const {
+    score::Check failed = NotCompared(name_, kind_, fault);
+    failed.explanation += of_part.verdict == score::Verdict::kPass ? "; what both have is within the tube"
+                                                                   : "; and " + of_part.explanation;
+    failed.evidence = of_part.evidence;
+    return failed;
+  }
+
+  score::Check OfOneLength(const score::Series& reference, const std::optional<Wanted>& wanted,
+                           const score::Series& test) const {
     const std::optional<std::vector<double>> samples = SamplesAt(reference.time_s, test.time_s, test.values);
     const std::optional<Stretches> had =
         wanted ? StretchesOf(wanted->ends, test.time_s, test.values) : std::optional<Stretches>();
@@ -247,7 +277,6 @@ class SignalComparison {
     return check;
   }
 
- private:
   /// The tube. Where it fails, `all` samples of a test that was judged at some of them tell why: they show a delay that
   /// is shorter than a step of the reference.
   score::Check Judge(const score::Series& reference, const score::Series& test, const score::TubeOptions& options,

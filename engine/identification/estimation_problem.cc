@@ -94,7 +94,7 @@ EstimationProblem::EstimationProblem(Plan plan, std::vector<MappedRecord> record
   }
   measured_.resize(rows);
   time_s_.reserve(static_cast<std::size_t>(rows));
-  for (const Channel& channel : channels_) {
+  for (const ComparedOutput& channel : channels_) {
     const Series& series = records_[channel.record].outputs.at(channel.name);
     measured_.segment(channel.begin, channel.count) =
         Eigen::Map<const Eigen::VectorXd>(series.values->data(), channel.count);
@@ -150,7 +150,7 @@ Result<Eigen::VectorXd> EstimationProblem::PredictPlan(const Plan& plan) const {
     const Result<Samples> samples =
         observers_.empty() ? Simulate(rig, **solver) : PredictInWindows(rig, **solver, observers_[r]);
     if (!samples.ok()) return samples.failure();
-    for (const Channel& channel : channels_) {
+    for (const ComparedOutput& channel : channels_) {
       if (channel.record != r) continue;
       const auto line = std::find_if(rig.outputs.begin(), rig.outputs.end(),
                                      [&](const OutputLine& output) { return output.name == channel.name; });

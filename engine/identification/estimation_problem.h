@@ -33,7 +33,7 @@ struct Hypothesis {
 };
 
 /// One measured output of one record: rows [begin, begin + count) of the vector.
-struct Channel {
+struct ComparedOutput {
   std::size_t record = 0;
   std::string name, unit;
   double nominal = 1.0, step_s = 0.0, spread = 0.0;  // spread: standard deviation of the measured signal
@@ -60,7 +60,7 @@ class EstimationProblem {
   /// Of outputs the rows that are compared.
   const std::vector<MappedRecord>& records() const { return records_; }
   const std::vector<Nuisance>& nuisances() const { return nuisances_; }
-  const std::vector<Channel>& channels() const { return channels_; }
+  const std::vector<ComparedOutput>& channels() const { return channels_; }
   const Eigen::VectorXd& measured() const { return measured_; }
   /// Time of each row [s].
   const std::vector<double>& time_s() const { return time_s_; }
@@ -87,7 +87,7 @@ class EstimationProblem {
   std::vector<Observer> observers_;    // by record, where predictions go in windows
   Status unobserved_;                  // why there are none
   std::vector<Nuisance> nuisances_;
-  std::vector<Channel> channels_;
+  std::vector<ComparedOutput> channels_;
   Eigen::VectorXd measured_;
   std::vector<double> time_s_;
   SearchContext context_;

@@ -25,14 +25,14 @@ class FreeRun : public Objective {
     if (!predicted.ok()) return predicted;
     Eigen::VectorXd error = problem_.measured() - *predicted;
     // A constant has no spread; its unit has a size.
-    for (const Channel& c : problem_.channels())
+    for (const ComparedOutput& c : problem_.channels())
       error.segment(c.begin, c.count) /= c.spread > 1e-9 * c.nominal ? c.spread : c.nominal;
     return error;
   }
 
   std::vector<std::pair<Eigen::Index, Eigen::Index>> Courses() const override {
     std::vector<std::pair<Eigen::Index, Eigen::Index>> courses;
-    for (const Channel& c : problem_.channels()) courses.emplace_back(c.begin, c.count);
+    for (const ComparedOutput& c : problem_.channels()) courses.emplace_back(c.begin, c.count);
     return courses;
   }
 
@@ -85,7 +85,7 @@ class Spectrum : public Objective {
  public:
   explicit Spectrum(const EstimationProblem& problem) : problem_(problem) {
     Eigen::Index begin = 0;
-    for (const Channel& c : problem.channels()) {
+    for (const ComparedOutput& c : problem.channels()) {
       const auto rows = problem.measured().segment(c.begin, c.count);
       measured_.push_back(PowerByBand(rows));
       noise_.push_back(NoiseByBand(c.count, HighFrequencyFloor(rows)).array() +
@@ -103,7 +103,7 @@ class Spectrum : public Objective {
     if (!predicted.ok()) return predicted;
     Eigen::VectorXd error(size_);
     for (std::size_t k = 0; k < measured_.size(); ++k) {
-      const Channel& c = problem_.channels()[k];
+      const ComparedOutput& c = problem_.channels()[k];
       const Eigen::ArrayXd power = PowerByBand(predicted->segment(c.begin, c.count)).array() + noise_[k].array();
       const Eigen::ArrayXd ratio = measured_[k].array().max(1e-3 * noise_[k].array()) / power;
       error.segment(courses_[k].first, courses_[k].second) = 0.5 * ratio.log();

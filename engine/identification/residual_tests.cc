@@ -24,7 +24,8 @@ double FTail(double f, double m, double n) {
 }
 
 /// What noise cannot know, at the channel's own time stamps: held inputs, predicted outputs, and functions of them.
-Eigen::MatrixXd Features(const EstimationProblem& problem, const Channel& channel, const Eigen::VectorXd& predicted) {
+Eigen::MatrixXd Features(const EstimationProblem& problem, const ComparedOutput& channel,
+                         const Eigen::VectorXd& predicted) {
   const auto& record = problem.records()[channel.record];
   const std::vector<double>& time = *record.outputs.at(channel.name).time;
   std::vector<Eigen::VectorXd> signals;
@@ -32,7 +33,7 @@ Eigen::MatrixXd Features(const EstimationProblem& problem, const Channel& channe
     const std::vector<double> at = score::SampleAt({*series.time, *series.values, score::Interpolation::kHold}, time);
     signals.emplace_back(Eigen::Map<const Eigen::VectorXd>(at.data(), channel.count));
   }
-  for (const Channel& other : problem.channels()) {
+  for (const ComparedOutput& other : problem.channels()) {
     if (other.record != channel.record || other.count != channel.count) continue;
     signals.emplace_back(predicted.segment(other.begin, other.count));
   }
@@ -100,7 +101,7 @@ std::vector<Structure> FindStructure(const EstimationProblem& problem, const Eig
                                      const Eigen::VectorXd& predicted) {
   std::vector<Structure> found;
   constexpr int kPast[] = {0, 1, 2, 3, 4, 6, 8, 12};  // samples: what a resonance leaves after whitening is short
-  for (const Channel& channel : problem.channels()) {
+  for (const ComparedOutput& channel : problem.channels()) {
     Structure& result = found.emplace_back();
     result.signal = channel.name;
     const auto rows = residual.segment(channel.begin, channel.count);

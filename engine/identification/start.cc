@@ -29,7 +29,7 @@ void Write(Plan& plan, const std::string& path, double value) {
 /// The weight of each row: one over the spread of its channel.
 Eigen::VectorXd WeightsOf(const EstimationProblem& problem) {
   Eigen::VectorXd weights(problem.measured().size());
-  for (const Channel& c : problem.channels())
+  for (const ComparedOutput& c : problem.channels())
     weights.segment(c.begin, c.count).setConstant(1.0 / std::max(c.spread, 1e-12 * c.nominal));
   return weights;
 }
@@ -48,7 +48,7 @@ std::string MotionAtStart(const EstimationProblem& problem) {
   if (!predicted.ok()) return "";
   std::string text;
   bool moves = false;
-  for (const Channel& c : problem.channels()) {
+  for (const ComparedOutput& c : problem.channels()) {
     if (c.record != 0 || c.count < kFirst) continue;
     // By the time that an output begins late, a model that is a little off has gone astray.
     const std::vector<double>& time = *problem.records().front().outputs.at(c.name).time;

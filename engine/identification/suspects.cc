@@ -15,6 +15,7 @@ namespace dynoproof::identification {
 namespace {
 
 constexpr double kAccounted = 0.5;  // NRMSE: a quarter of the squares is left
+constexpr double kSure = 0.1;       // NRMSE: a hundredth of the squares
 constexpr double kClearly = 0.5;    // of the distance that was
 
 Series Scaled(const Series& series, double factor) {
@@ -54,7 +55,7 @@ struct Beside {
 
 Beside Compare(const EstimationProblem& problem, const Eigen::VectorXd& predicted, const std::string& name) {
   double both = 0.0, measured = 0.0, simulated = 0.0;
-  for (const Channel& c : problem.channels()) {
+  for (const ComparedOutput& c : problem.channels()) {
     if (c.name != name) continue;
     const Eigen::ArrayXd x = problem.measured().segment(c.begin, c.count), y = predicted.segment(c.begin, c.count);
     both += ((x - x.mean()) * (y - y.mean())).sum();
@@ -104,11 +105,12 @@ Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const 
   if (AccountsFor(*before) || problem.channels().empty()) return suspects;
   const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
   if (!predicted.ok()) return predicted.failure();
-  const auto consider = [&](const std::string& text, const std::function<void(MappedRecord&)>& read) -> void {
+  const auto consider = [&](const std::string& text, bool known, const std::function<void(MappedRecord&)>& read) {
     std::vector<MappedRecord> records = problem.records();
     for (MappedRecord& record : records) read(record);
     const Result<double> after = distance({problem.plan(), records, problem.registry()});
-    if (after.ok() && *after < kClearly * *before) suspects.push_back({text, *after, std::move(records)});
+    if (after.ok() && *after < kClearly * *before)
+      suspects.push_back({text, *after, known && *after < kSure, std::move(records)});
   };
   std::vector<std::string> inputs, outputs;
   for (const auto& [name, series] : problem.records().front().inputs) inputs.push_back(name);
@@ -120,20 +122,24 @@ Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const 
   for (const std::string& name : outputs) {
     const Beside beside = Compare(problem, *predicted, name);
     mean += std::log(std::abs(beside.factor)) / static_cast<double>(outputs.size());
-    consider(TextOfFactor(name, 1.0 / beside.factor, unit_of("output", name)), [&](MappedRecord& record) {
+    const std::string unit = unit_of("output", name);
+    const bool known = CauseOfFactor(beside.factor, unit).has_value();
+    consider(TextOfFactor(name, 1.0 / beside.factor, unit), known, [&](MappedRecord& record) {
       if (Series* series = Find(record, name)) *series = Scaled(*series, 1.0 / beside.factor);
     });
   }
-  if (!inputs.empty())
-    consider(TextOfFactor(fmt::format("{}", fmt::join(inputs, ", ")), std::exp(mean), unit_of("input", inputs.front())),
-             [&](MappedRecord& record) {
+  if (!inputs.empty()) {
+    const std::string unit = unit_of("input", inputs.front());
+    consider(TextOfFactor(fmt::format("{}", fmt::join(inputs, ", ")), std::exp(mean), unit),
+             CauseOfFactor(std::exp(mean), unit).has_value(), [&](MappedRecord& record) {
                for (auto& [name, series] : record.inputs) series = Scaled(series, std::exp(mean));
              });
+  }
   std::vector<std::string> all = inputs;
   all.insert(all.end(), outputs.begin(), outputs.end());
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = std::max(i + 1, inputs.size()); k < all.size(); ++k)
-      consider(fmt::format("{} and {} exchanged", all[i], all[k]),
+      consider(fmt::format("{} and {} exchanged", all[i], all[k]), true,
                [&](MappedRecord& record) { Exchange(record, all[i], all[k]); });
   }
   std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
@@ -144,7 +150,7 @@ double LargestCorrelation(const EstimationProblem& problem, const Plan& plan) {
   const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
   double largest = 0.0;
   if (!predicted.ok()) return largest;
-  for (const Channel& c : problem.channels())
+  for (const ComparedOutput& c : problem.channels())
     largest = std::max(largest, std::abs(Compare(problem, *predicted, c.name).correlation));
   return largest;
 }

@@ -19,6 +19,8 @@ std::optional<std::string> CauseOfFactor(double factor, const std::string& unit)
 struct Suspect {
   std::string text;  // "T_shaft and omega_1 are exchanged"
   double nrmse = 0.0;
+  bool certain =
+      false;  // an exchange or a known factor, with which the scenario leaves a hundredth of the squares: no model is wrong so
   std::vector<MappedRecord> records;  // as they were meant then
 };
 

@@ -102,7 +102,9 @@ std::vector<score::Check> RampsCheck::Run(CheckContext& context) const {
   const std::vector<double>& input = samples.inputs[FindInput(context.rig(), p_.reference)];
   const auto output = [&](const std::string& signal) { return &samples.outputs[FindOutput(context.rig(), signal)]; };
   if (PhasesOf(samples.time, input, p_.steady_s).empty()) {
-    return {NotMade(name, kName, p_.origin, fmt::format("{} never stands still after a change", p_.reference))};
+    return {NotMade(
+        name, kName, p_.origin,
+        fmt::format("{} never stands still for {:g} s after a change before the run ends", p_.reference, p_.steady_s))};
   }
   const auto report = [&](const std::string& prefix, const RampFigures& figures) {
     context.figures[prefix + "overshoot_percent"] = {figures.overshoot_percent, "%"};

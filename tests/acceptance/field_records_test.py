@@ -363,12 +363,14 @@ class FieldRecords(Steps):
         volts, swapped = rows.copy(), rows.copy()
         volts[:, 2] *= 0.037
         swapped[:, [1, 2]] = swapped[:, [2, 1]]
-        for name, other, said in (("volts", volts, "T_shaft 27"), ("swapped", swapped, "T_airgap and T_shaft exchanged")):
+        # A model may be off by a factor of 27; none is off by two columns changing places.
+        for name, other, said, code in (("volts", volts, "T_shaft 27", 0),
+                                        ("swapped", swapped, "T_airgap and T_shaft exchanged", 2)):
             with self.subTest(name):
                 record = self.write("other.csv", csv(other))
                 found = self.shell(f"dynoproof identify line.toml --data {record} --free {KEYS}{WRONG} --starts 1", exit=4)
                 self.assertIn(said, found.stderr)
-                checked = self.shell(f"dynoproof check-data {record} --scenario line.toml", exit=0)
+                checked = self.shell(f"dynoproof check-data {record} --scenario line.toml", exit=code)
                 self.assertIn(said, checked.stdout)
 
     # --- the ways of newcomers: the file, the map that the program proposes, the numbers

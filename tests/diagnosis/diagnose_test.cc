@@ -54,7 +54,7 @@ Plan Nominal() { return Scenario(kScenario, {"run.duration_s=0.5"}); }
 
 TEST(SlowDiagnose, NamesNothingWhereNothingIsHidden) {
   const Diagnosis found = DiagnosisOf(AsBuilt(Nominal()), 0.01);
-  EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason;
+  EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason;
   EXPECT_TRUE(found.effects.empty());
   EXPECT_TRUE(found.at_noise_floor);
   EXPECT_LT(found.simulations, 1600.0);  // 1068, and half as many more: a last bit may turn a fit
@@ -64,14 +64,14 @@ TEST(SlowDiagnose, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   Plan turning = AsBuilt(Nominal());
   turning.root["plant"]["initial_speed_rad_per_s"] = Value(2.3);
   const Diagnosis found = DiagnosisOf(turning, 0.01, 0.9, true);
-  EXPECT_EQ(found.verdict, Verdict::kNoEffect) << found.reason << "\n" << ToText(found.journal);
+  EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason << "\n" << ToText(found.journal);
   EXPECT_TRUE(found.effects.empty());
 }
 
 TEST(SlowDiagnose, NamesADelayOfACommandAndNotOfASensor) {
   const Diagnosis found =
       DiagnosisOf(WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4}), 0.01);
-  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
+  ASSERT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason;
   EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "actuator_delay@input:T_airgap");
   EXPECT_NEAR(found.effects[0].parameters[0].value, 2.5e-4, 5e-6);
   EXPECT_LT(found.effects[0].parameters[0].lower, 2.5e-4);
@@ -82,7 +82,7 @@ TEST(SlowDiagnose, NamesADelayOfACommandAndNotOfASensor) {
 
 TEST(SlowDiagnose, NamesDryFrictionAtItsPlace) {
   const Diagnosis found = DiagnosisOf(WithEffect(AsBuilt(Nominal()), "coulomb_friction", "inertia:I5", {30.0}), 0.005);
-  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason;
+  ASSERT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason;
   EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "coulomb_friction@inertia:I5");
   EXPECT_NEAR(found.effects[0].parameters[0].value, 30.0, 1.5);
 }
@@ -90,7 +90,7 @@ TEST(SlowDiagnose, NamesDryFrictionAtItsPlace) {
 TEST(SlowDiagnose, NamesTwoCausesOneAfterTheOther) {
   const Plan one = WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4});
   const Diagnosis found = DiagnosisOf(WithEffect(one, "sensor_gain", "output:omega_1", {1.08}), 0.01);
-  ASSERT_EQ(found.verdict, Verdict::kEffectFound) << found.reason << "\n" << ToText(found.journal);
+  ASSERT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason << "\n" << ToText(found.journal);
   ASSERT_EQ(found.effects.size(), 2u);
   std::map<std::string, double> sizes;
   for (const FoundEffect& effect : found.effects) sizes[effect.name + "@" + effect.at] = effect.parameters[0].value;

@@ -97,7 +97,7 @@ const Left kTruth{"viscous_friction", "inertia:I5", 0.0, 0.0, 0.02}, kFar{"const
 
 TEST_F(SettleTest, OneModelThatLeavesNothingButNoiseIsFound) {
   const Settled settled = SettledOf({kTruth, kFar});
-  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kEffectFound) << settled.reason;
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
   EXPECT_TRUE(settled.exact);
   EXPECT_EQ(settled.level, levels_->free_run());
@@ -105,7 +105,7 @@ TEST_F(SettleTest, OneModelThatLeavesNothingButNoiseIsFound) {
 
 TEST_F(SettleTest, ANullThatLeavesNothingButNoiseHasNoCause) {
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.0, 0.001, 1.0}, kFar}, 0.0);
-  EXPECT_EQ(settled.verdict, Verdict::kNoEffect) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kNoEffect) << settled.reason;
   EXPECT_TRUE(settled.causes.empty());
 }
 
@@ -113,26 +113,26 @@ TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
   const Left alike{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.02},
       third{"actuator_gain", "input:T_airgap", 0.0, 0.0, 0.02}, fourth{"inertia_change", "inertia:I5", 0.0, 0.0, 0.02};
   const Settled two = SettledOf({kTruth, kFar, alike});
-  EXPECT_EQ(two.verdict, Verdict::kAmbiguous) << two.reason;
+  EXPECT_EQ(two.verdict, Conclusion::kAmbiguous) << two.reason;
   EXPECT_EQ(two.causes, (std::vector<std::size_t>{1, 3}));
   const Settled four = SettledOf({kTruth, alike, third, fourth});
-  EXPECT_EQ(four.verdict, Verdict::kUnexplained) << four.reason;
+  EXPECT_EQ(four.verdict, Conclusion::kUnexplained) << four.reason;
 }
 
 TEST_F(SettleTest, OfTwoThatLeaveTheSameOneFarFromItsDataSheetIsImplausible) {
   Left far{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.02};
   far.off = 2.5;
-  EXPECT_EQ(SettledOf({kTruth, far}).verdict, Verdict::kAmbiguous) << "two and a half deviations happen";
+  EXPECT_EQ(SettledOf({kTruth, far}).verdict, Conclusion::kAmbiguous) << "two and a half deviations happen";
   far.off = 4.5;
   const Settled settled = SettledOf({kTruth, far});
-  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kEffectFound) << settled.reason;
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
 }
 
 TEST_F(SettleTest, AnExactModelBesideASmallShareOfItsOwnIsNoCause) {
   // The null leaves hardly more than noise: what an effect removes of that is less than a fifth.
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.048, 0.0, 0.9}}, 0.05);
-  EXPECT_NE(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_NE(settled.verdict, Conclusion::kEffectFound) << settled.reason;
   EXPECT_TRUE(settled.causes.empty());
 }
 
@@ -140,7 +140,7 @@ TEST_F(SettleTest, ANumberOnItsBoundNamesNothing) {
   Left bound = kTruth;
   bound.on_bound = true;
   const Settled settled = SettledOf({bound, kFar});
-  EXPECT_EQ(settled.verdict, Verdict::kUnexplained) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kUnexplained) << settled.reason;
   EXPECT_TRUE(settled.causes.empty());
 }
 
@@ -148,25 +148,25 @@ TEST_F(SettleTest, ALawThatAddsNothingToAPlainerOneStandsBack) {
   const Left plain{"coulomb_friction", "inertia:I5", 0.0, 0.0, 0.02},
       refined{"stribeck_friction", "inertia:I5", 0.0, 0.001, 0.02};
   const Settled settled = SettledOf({refined, plain, kFar});
-  EXPECT_EQ(settled.verdict, Verdict::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kEffectFound) << settled.reason;
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{2});
 }
 
 TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   const Settled settled = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.1}, kFar});
-  EXPECT_EQ(settled.verdict, Verdict::kMainCause) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kMainCause) << settled.reason;
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
   EXPECT_FALSE(settled.exact);
   EXPECT_GE(settled.explains, policy::kMainCause);
   // The same fit, and on the other data no better than the plan as given.
   const Settled nothing = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.95}});
-  EXPECT_EQ(nothing.verdict, Verdict::kUnexplained) << nothing.reason;
+  EXPECT_EQ(nothing.verdict, Conclusion::kUnexplained) << nothing.reason;
   EXPECT_TRUE(nothing.causes.empty());
 }
 
 TEST_F(SettleTest, ARunThatBreaksOnOtherDataIsNoCause) {
   const Settled settled = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 1e300}});
-  EXPECT_EQ(settled.verdict, Verdict::kUnexplained) << settled.reason;
+  EXPECT_EQ(settled.verdict, Conclusion::kUnexplained) << settled.reason;
 }
 
 }  // namespace

@@ -182,6 +182,22 @@ TEST(ThinnedReference, WithRoomInTimeHoldsExtremesToTheStretchesAround) {
 }
 
 /// Noise and lone pulses are part of a run: it passes as it was blessed, and fails with one pulse more.
+TEST(ThinnedReference, OfAnotherLengthFailsAndTellsOfWhatBothHave) {
+  const trace::Trace thin = Thin(At(Every(1e-4, 0.0, 2.0)), 20'000);
+  for (const double end : {1.2345, 2.6}) {
+    const Outcome same = Compare(thin, At(Every(1e-4, 0.0, end)), ReferenceIs::kThinned);
+    EXPECT_EQ(same.verdict, kFail);
+    EXPECT_THAT(same.why, HasSubstr(end < 2.0 ? "the run is short: it ends at 1.2345 s" : "the run goes on"));
+    EXPECT_THAT(same.why, HasSubstr("what both have is within the tube"));
+    trace::Trace other = At(Every(1e-4, 0.0, end));
+    for (std::size_t i = 5000; i < other.time.size(); ++i) other.signals[0].values[i] *= 1.01;
+    const Outcome off = Compare(thin, other, ReferenceIs::kThinned);
+    EXPECT_EQ(off.verdict, kFail);
+    EXPECT_THAT(off.why, HasSubstr("apart from t = 0.5"));
+  }
+  EXPECT_EQ(Compare(thin, At({0.0, 1e-5}), ReferenceIs::kThinned).verdict, kFail);
+}
+
 TEST(ThinnedReference, KnowsNoiseAndPulsesOfTheBlessedRun) {
   const test::TempDir folder;
   const GoldenPlace place{(folder / "noise.h5").string(), (folder / "noise.toml").string(), "dynoproof bless"};

@@ -161,7 +161,7 @@ TEST_F(ResidualStructure, ARowWithoutANumberIsNoNoise) {
 TEST_F(ResidualStructure, ARelationALineAndARestOfTheSignalAreFound) {
   std::mt19937 random(30);
   const auto& torque = *problem_.records().front().inputs.at("T_airgap").values;
-  const Channel& channel = problem_.channels().front();
+  const ComparedOutput& channel = problem_.channels().front();
   for (int k = 0; k < 10; ++k) {
     Eigen::VectorXd noise = White(random, rows()), tone = noise, rest = noise;
     double square = 0.0;

@@ -24,8 +24,10 @@ TEST(Changes, NameEachValueWithWhatItWas) {
 }
 
 TEST(Changes, NameWhatIsNewAndWhatIsGone) {
-  EXPECT_THAT(Between("a = 1\n", "a = 1\nload = { c = 2 }\n"), ElementsAre("load = { c = 2 } (was not there)"));
-  EXPECT_THAT(Between("a = 1\nload = { c = 2 }\n", "a = 1\n"), ElementsAre("load is gone (was { c = 2 })"));
+  EXPECT_THAT(Between("a = 1\n", "a = 1\nload = { c = 2 }\n"), ElementsAre("load.c = 2 (was not there)"));
+  EXPECT_THAT(Between("a = 1\nload = { c = 2 }\n", "a = 1\n"), ElementsAre("load.c is gone (was 2)"));
+  EXPECT_THAT(Between("a = 1\n", "a = 1\nload = { friction = { on = 'I3', law = 'coulomb', T_c_Nm = 20.0 } }\n"),
+              ElementsAre("load.friction = { on = \"I3\", law = \"coulomb\", T_c_Nm = 20.0 } (was not there)"));
 }
 
 TEST(Changes, AreNoneWhereNumbersAreEqual) {

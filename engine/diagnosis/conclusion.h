@@ -5,8 +5,8 @@
 
 namespace dynoproof::diagnosis {
 
-enum class Verdict { kEffectFound, kMainCause, kNoEffect, kAmbiguous, kUnexplained };
+enum class Conclusion { kEffectFound, kMainCause, kNoEffect, kAmbiguous, kUnexplained };
 /// "effect_found", as in a result.
-std::string ToString(Verdict verdict);
+std::string ToString(Conclusion verdict);
 
 }  // namespace dynoproof::diagnosis

@@ -1,18 +1,18 @@
-#include "diagnosis/verdict.h"
+#include "diagnosis/conclusion.h"
 
 namespace dynoproof::diagnosis {
 
-std::string ToString(Verdict verdict) {
+std::string ToString(Conclusion verdict) {
   switch (verdict) {
-    case Verdict::kEffectFound:
+    case Conclusion::kEffectFound:
       return "effect_found";
-    case Verdict::kMainCause:
+    case Conclusion::kMainCause:
       return "main_cause";
-    case Verdict::kNoEffect:
+    case Conclusion::kNoEffect:
       return "no_effect";
-    case Verdict::kAmbiguous:
+    case Conclusion::kAmbiguous:
       return "ambiguous";
-    case Verdict::kUnexplained:
+    case Conclusion::kUnexplained:
       break;
   }
   return "unexplained";
