@@ -481,6 +481,14 @@ document.getElementById('theme').addEventListener('click', () => {
 dark.addEventListener('change', redrawAll);
 
 // Of many scenarios those that are looked for: by words of their name, title or worst check, and by verdict.
+// Wide tables become cards where there is no room for their columns (page.css).
+for (const table of document.querySelectorAll('.table table')) {
+  const names = [...table.querySelectorAll('thead th')].map((cell) => cell.textContent);
+  if (names.length < 4) continue;
+  table.classList.add('wide');
+  for (const row of table.tBodies[0].rows) [...row.cells].forEach((cell, i) => { cell.dataset.column = names[i] ?? ''; });
+}
+
 const filter = document.getElementById('filter');
 filter?.addEventListener('input', () => {
   const words = filter.querySelector('input').value.toLowerCase().split(/\s+/), verdict = filter.querySelector('select').value;

@@ -262,8 +262,11 @@ std::string ToTable(const std::vector<ScenarioResult>& results, bool colour) {
 
 namespace {
 
+/// Whether a check is of a curve that was made of another signal, whose own check says more.
+bool IsOfHull(const Check& check) { return check.name.ends_with("_hull_upper") || check.name.ends_with("_hull_lower"); }
+
 /// The checks that did not pass, those of one verdict and kind of comparison together, the worst of each first: one cause
-/// mostly spoils many signals.
+/// mostly spoils many signals. What compared courses comes before what counts samples and steps.
 std::vector<std::vector<const Check*>> NotPassed(const ScenarioResult& result) {
   std::vector<std::vector<const Check*>> groups;
   for (const Check& check : result.checks) {
@@ -278,7 +281,13 @@ std::vector<std::vector<const Check*>> NotPassed(const ScenarioResult& result) {
     }
   }
   for (auto& group : groups)
-    std::stable_sort(group.begin(), group.end(), [](const Check* a, const Check* b) { return Share(*a) > Share(*b); });
+    std::stable_sort(group.begin(), group.end(), [](const Check* a, const Check* b) {
+      if (IsOfHull(*a) != IsOfHull(*b)) return IsOfHull(*b);
+      const bool number_a = std::isfinite(a->value),
+                 number_b = std::isfinite(b->value);  // says more than that there is none
+      return number_a != number_b ? number_a : Share(*a) > Share(*b);
+    });
+  std::stable_partition(groups.begin(), groups.end(), [](const auto& group) { return group[0]->evidence != nullptr; });
   return groups;
 }
 

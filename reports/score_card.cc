@@ -19,6 +19,7 @@ std::string ValueText(double value, const std::string& unit) {
 }
 
 std::string LimitText(const Check& check) {
+  if (!check.shown.empty() && check.unit == "half-widths") return "the tube";
   return (check.at_least ? "at least " : "at most ") + ValueText(check.limit, check.unit);
 }
 

@@ -6,6 +6,7 @@
 
 #include "app/app.h"
 #include "app/measured.h"
+#include "base/text.h"
 #include "diagnosis/data_check.h"
 #include "estimation/horizon.h"
 #include "identification/suspects.h"
@@ -56,8 +57,27 @@ void CheckMap(const trace::Record& record, const RecordMap& map, Diagnostics& di
   for (const std::string& note : mapped->notes) Note(note + "\n");
 }
 
-/// What a record that looks sound may be instead, where the simulation is far off and one reading brings it near.
+/// What a record may be instead, where the simulation is far off and one reading brings it near. The corrected run is asked first:
+/// it takes the place of what free runs say of single signals.
 void AddSuspects(const diagnosis::EstimationProblem& problem, std::vector<diagnosis::Finding>& findings) {
+  const std::vector<identification::Suspect> misread =
+      identification::MisreadingsOf(problem.plan(), problem.records().front(), problem.registry());
+  if (!misread.empty()) {
+    std::erase_if(findings, [](const diagnosis::Finding& f) {
+      return f.fault && (f.kind == "sign" || f.kind == "unit" || f.kind == "swapped");
+    });
+    std::string all;
+    for (const identification::Suspect& one : misread) all += (all.empty() ? "" : ", or ") + one.text;
+    const identification::Suspect& first = misread.front();
+    findings.push_back(
+        {true, first.kind, first.column,
+         fmt::format("the model would be near the record, {:.2g} off it (NRMSE, corrected with a short memory), "
+                     "if that were read otherwise: {}; a map says units, signs and columns",
+                     first.nrmse, all),
+         0, 0.0, first.nrmse});
+    return;
+  }
+  if (std::ranges::any_of(findings, &diagnosis::Finding::fault)) return;
   const Result<std::vector<identification::Suspect>> suspects =
       identification::SuspectsOf(problem, problem.PlanOf(problem.Nominal()));
   if (!suspects.ok()) return;
@@ -129,8 +149,7 @@ int CheckData(const CheckArguments& arguments) {
         findings.insert(findings.end(), against->begin(), against->end());
       }
       compared = !measured->data.front().outputs.empty();
-      if (compared && std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.fault; }))
-        AddSuspects(problem, findings);
+      if (compared) AddSuspects(problem, findings);
       if (compared) {
         Result<std::optional<estimation::Horizon>> ahead =
             estimation::HorizonOf(measured->plan, measured->data.front(), *registry);
@@ -162,8 +181,9 @@ int CheckData(const CheckArguments& arguments) {
   }
   if (horizon && faults == 0) text += horizon->ToText() + "\n";
   if (horizon && faults > 0) text += "\nWhat the model gets wrong can be told when the faults are mended.\n\n";
-  text += fmt::format("{}: {} columns, {} faults, {} notes{}\n", arguments.data, record->columns.size(), faults,
-                      findings.size() - static_cast<std::size_t>(faults),
+  text += fmt::format("{}: {}, {}, {}{}\n", arguments.data, Counted(record->columns.size(), "column"),
+                      Counted(static_cast<std::size_t>(faults), "fault"),
+                      Counted(findings.size() - static_cast<std::size_t>(faults), "note"),
                       arguments.scenario.empty() ? ""
                       : compared                 ? ", compared with the simulation"
                                                  : ", nothing compared");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "experiment/gaps.h"
 #include "experiment/prepare.h"
 #include "identification/bring_in.h"
 #include "identification/start.h"
@@ -40,8 +41,11 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
     const std::string& file = i < data.size() ? data[i] : holdout[i - data.size()];
     const std::string map = maps.empty() ? "" : maps.size() == 1 ? maps[0] : maps[i];
     std::optional<MappedRecord> mapped = OpenRecord(file, map, inputs, outputs, diagnostics);
-    if (!mapped || !identification::BringIn(result.plan, registry, *mapped, diagnostics)) continue;
-    (i < data.size() ? result.data : result.holdout).push_back(std::move(*mapped));
+    if (!mapped) continue;
+    for (MappedRecord& part : PartsBetweenGaps(*std::move(mapped))) {
+      if (!identification::BringIn(result.plan, registry, part, diagnostics)) break;
+      (i < data.size() ? result.data : result.holdout).push_back(std::move(part));
+    }
   }
   if (diagnostics.error_count() != before) return std::nullopt;
   // One problem has one set of start values. A hold-out has its own, of its first samples.

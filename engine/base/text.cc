@@ -51,6 +51,10 @@ std::optional<std::string> Closest(std::string_view word, std::span<const std::s
   return *best;
 }
 
+std::string Counted(std::size_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 std::optional<std::string> ReadTextFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;

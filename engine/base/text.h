@@ -12,6 +12,9 @@ namespace dynoproof {
 /// (at least 2); upper and lower case count as nearly equal. Nothing when none is near.
 std::optional<std::string> Closest(std::string_view word, std::span<const std::string> candidates);
 
+/// "1 gap", "3 gaps".
+std::string Counted(std::size_t count, const char* noun);
+
 /// Reads a whole text file; nothing when it cannot be read.
 std::optional<std::string> ReadTextFile(const std::string& path);
 

@@ -53,6 +53,7 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
   const Hypothesis base(plan);
   Hypothesis free = released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry);
   for (std::size_t r = 0; r < levels.data().records().size(); ++r) free = free.WithStartFree(r, registry);
+  free = free.WithDifferencesFree(levels.data().records().size());
   Contestant null(std::move(free));
   std::vector<const Predictor*> order;
   for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);

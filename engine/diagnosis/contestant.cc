@@ -23,10 +23,12 @@ double PowerError(const ChannelScale& scale, const Channel& channel) {
 
 }  // namespace
 
-bool IsExact(const Estimate& estimate) {
+bool IsExact(const std::vector<ChannelScale>& scales) {
   return std::ranges::all_of(
-      estimate.scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });
+      scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });
 }
+
+bool IsExact(const Estimate& estimate) { return IsExact(estimate.scales); }
 
 bool IsQuiet(const Estimate& estimate, const DataSet& data) {
   for (std::size_t c = 0; c < estimate.scales.size(); ++c) {

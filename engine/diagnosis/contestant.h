@@ -27,6 +27,7 @@ struct Contestant {
 };
 
 /// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
+bool IsExact(const std::vector<estimation::ChannelScale>& scales);
 bool IsExact(const estimation::Estimate& estimate);
 /// Whether a level hears noise about as softly as the free run does. Where a correction makes it louder, models pass for exact
 /// that the free run tells apart.

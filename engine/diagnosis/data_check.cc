@@ -6,8 +6,10 @@
 #include <cmath>
 #include <complex>
 
+#include "base/text.h"
 #include "base/units.h"
 #include "diagnosis/value_check.h"
+#include "experiment/gaps.h"
 #include "identification/suspects.h"
 #include "score/fft.h"
 #include "score/series.h"
@@ -18,7 +20,6 @@ namespace {
 
 void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
   // A gap this long is no lost row any more: what the input did in it nobody knows.
-  constexpr double kLost = 10.0;  // usual steps
   const std::optional<Unit> unit = ParseUnit(time.unit.empty() ? "s" : time.unit);
   if (!unit || !SameQuantity(*unit, *ParseUnit("s"))) {
     findings.push_back(
@@ -47,14 +48,17 @@ void CheckTime(const trace::Column& time, std::vector<Finding>& findings) {
                         fmt::format("{} instants have several rows: the values before and after an event", base.events),
                         base.events, 0.0});
   const double usual_s = base.uniform() ? base.step_s : base.usual_step_s;
-  const bool lost = base.longest_gap_s > kLost * usual_s;
+  const bool lost = base.longest_gap_s > kMostLost * usual_s;
   const std::string longest = fmt::format(
       "the longest {:.4g} s at {:.6g} s (row {}){}", base.longest_gap_s, base.longest_gap_at_s, base.longest_gap_row,
-      lost ? fmt::format(": in more than {:g} steps nobody knows the input", kLost) : "");
+      lost ? fmt::format(": in more than {} steps nobody knows the input; identify and diagnose take what lies before "
+                         "and behind for records of their own",
+                         kMostLost)
+           : "");
   if (base.uniform() && base.dropped > 0)
     findings.push_back({lost, lost ? "gap" : "dropped", time.name,
-                        fmt::format("{} rows are missing of {} in {} gaps, {}", base.dropped,
-                                    base.time_s.size() + base.dropped, base.gaps, longest),
+                        fmt::format("{} rows are missing of {} in {}, {}", base.dropped,
+                                    base.time_s.size() + base.dropped, Counted(base.gaps, "gap"), longest),
                         base.gaps, base.longest_gap_at_s});
   if (base.uniform() || base.time_s.size() < 3) return;
   const double off = base.jitter_s / base.usual_step_s;

@@ -102,13 +102,13 @@ double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
   return std::sqrt(sum / static_cast<double>(channels.size()));
 }
 
-/// The nominal plan from the start of the records that a model has found.
+/// The nominal plan with what a model has found of each record: its start, and how numbers differ there.
 Plan FromTheStartOf(const Plan& begun, const Contestant& one, const Eigen::VectorXd& q) {
   Plan plan = begun;
   for (std::size_t i = one.hypothesis.of_effects(); i < one.hypothesis.parameters().size(); ++i) {
     const estimation::Parameter& parameter = one.hypothesis.parameters()[i];
-    Value* value = parameter.name.starts_with("start_of_record.") ? plan.root.FindPath(parameter.name) : nullptr;
-    if (value != nullptr) *value = Value(parameter.ValueAt(q[static_cast<Eigen::Index>(i)]));
+    if (parameter.name.starts_with("of_record."))
+      WriteNumber(plan.root, parameter.name, parameter.ValueAt(q[static_cast<Eigen::Index>(i)]));
   }
   return plan;
 }
@@ -128,7 +128,7 @@ Judged JudgeOf(const Task& task, const Plan& given, const std::optional<Plan>& r
   if (own && std::ranges::any_of(task.holdout, &MappedRecord::in_motion)) judged.from = identification::kStartShare;
   const auto predict = [&](Plan plan) -> Predictions {
     if (own) {
-      plan.root.Erase("start_of_record");
+      plan.root.Erase("of_record");
       Result<Plan> started = identification::FindStarts(judged.problem, plan, judged.from);
       if (!started.ok()) return started.failure();
       plan = *std::move(started);

@@ -123,7 +123,7 @@ class Pipeline {
         options_(options),
         magnitudes_(MagnitudesOf(problem)),
         saved_(options.out + "/diagnose_state.json", options.resume, problem.plan(), data),
-        given_(LogExcessOf(holdout.empty() ? begun_ : problem.plan(), *parts_.held_out)) {
+        given_(LeftOf(holdout.empty() ? begun_ : problem.plan(), *parts_.held_out)) {
     result_.own_holdout = !holdout.empty();
     if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
   }

@@ -29,19 +29,21 @@ double LogPowerOf(const Plan& plan, const Levels& levels) {
   return sum / static_cast<double>(levels.data().channels().size());
 }
 
-/// The log excess of a plan's innovations.
-std::optional<double> LogExcessBeside(const Plan& plan, const Levels& levels, const estimation::Predictor& predictor) {
+/// What a plan's innovations are beyond noise.
+std::optional<LeftThere> LeftBeside(const Plan& plan, const Levels& levels, const estimation::Predictor& predictor) {
   const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
   if (!rows.ok()) return std::nullopt;
-  return LogExcess(estimation::ScalesOf(levels.data(), *rows, predictor.NoiseAlone(plan)), levels.data());
+  const std::vector<estimation::ChannelScale> scales =
+      estimation::ScalesOf(levels.data(), *rows, predictor.NoiseAlone(plan));
+  return LeftThere{LogExcess(scales, levels.data()), IsExact(scales)};
 }
 
 /// At a level; of free runs that of the start which suits the plan better.
-std::optional<double> LogExcessAt(const Plan& plan, const Levels& levels, std::size_t level) {
-  const std::optional<double> led = LogExcessBeside(plan, levels, levels[level]);
+std::optional<LeftThere> LeftAt(const Plan& plan, const Levels& levels, std::size_t level) {
+  const std::optional<LeftThere> led = LeftBeside(plan, levels, levels[level]);
   if (level != levels.free_run() || levels.from_the_start() == nullptr) return led;
-  const std::optional<double> whole = LogExcessBeside(plan, levels, *levels.from_the_start());
-  return led && whole ? std::min(*led, *whole) : led ? led : whole;
+  const std::optional<LeftThere> whole = LeftBeside(plan, levels, *levels.from_the_start());
+  return !led || (whole && whole->log_excess < led->log_excess) ? whole : led;
 }
 
 }  // namespace
@@ -106,9 +108,9 @@ Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& reg
   return plan;
 }
 
-HeldOut LogExcessOf(const Plan& plan, const Levels& levels) {
+HeldOut LeftOf(const Plan& plan, const Levels& levels) {
   HeldOut all;
-  for (std::size_t level = 0; level < levels.size(); ++level) all.push_back(LogExcessAt(plan, levels, level));
+  for (std::size_t level = 0; level < levels.size(); ++level) all.push_back(LeftAt(plan, levels, level));
   return all;
 }
 
@@ -119,9 +121,9 @@ std::vector<HeldOut> HeldOutOf(const Contest& contest, const Levels& held_out, c
     for (std::size_t level = contest.first; level < held_out.size(); ++level) {
       if (!one.Holds(level)) continue;
       Plan plan = one.hypothesis.At(one.levels[level].q);
-      if (own) plan.root.Erase("start_of_record");
-      all[i][level] = LogExcessAt(plan, held_out, level);
-      if (all[i][level]) *all[i][level] -= given[level].value_or(0.0);
+      if (own) plan.root.Erase("of_record");
+      all[i][level] = LeftAt(plan, held_out, level);
+      if (all[i][level]) all[i][level]->log_excess -= given[level].value_or(LeftThere{}).log_excess;
     }
   });
   return all;
@@ -132,7 +134,7 @@ std::vector<double> LeastOf(const std::vector<std::vector<HeldOut>>& passes, std
   for (const auto& pass : passes) {
     for (const HeldOut& one : pass) {
       for (std::size_t level = 0; level < levels; ++level)
-        least[level] = std::min(least[level], one[level].value_or(0.0));
+        least[level] = std::min(least[level], one[level].value_or(LeftThere{}).log_excess);
     }
   }
   return least;

@@ -27,7 +27,7 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
 Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& registry);
 
 /// What a plan leaves beyond the noise at each level of a data set; nothing where its run breaks.
-HeldOut LogExcessOf(const Plan& plan, const Levels& levels);
+HeldOut LeftOf(const Plan& plan, const Levels& levels);
 
 /// Of each contestant, as it is fitted at each level, over what the plan as given leaves. `own`: these are other records, which
 /// start elsewhere than those of the fits.

@@ -61,19 +61,27 @@ void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, con
   });
 }
 
+/// The log excess of the plan as given or of the null, whichever is better, over that of the former.
+double OfNull(const std::vector<HeldOut>& held_out, std::size_t level) {
+  return std::min(0.0, held_out[0][level].value_or(LeftThere{}).log_excess);
+}
+
 /// The share that a model removes of what the plan as given and the null, whichever is better, leave on data that took no part;
 /// nothing: its run breaks.
 std::optional<double> HeldOutShare(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level) {
   if (!held_out[i][level]) return std::nullopt;
-  return 1.0 - std::exp(*held_out[i][level] - std::min(0.0, held_out[0][level].value_or(0.0)));
+  return 1.0 - std::exp(held_out[i][level]->log_excess - OfNull(held_out, level));
 }
 
-/// Whether data that took no part bear a cause out. Where the null predicts them as well as the cause, and both far better than
-/// the plan as given, they do not tell the two apart: then the training data have to do so plainly.
+/// Whether data that took no part bear a cause out. Where the null predicts them as well as the cause, and both to the noise or far
+/// better than the plan as given, they do not tell the two apart: then the training data have to do so plainly. As well: to a small share of
+/// what the plan as given leaves. A share of what the null leaves says nothing there: that is what no model here explains.
 bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level, double training_share) {
   const std::optional<double> share = HeldOutShare(held_out, i, level);
   if (!share) return false;
-  const bool alike = *share > policy::kHarm && 1.0 - std::exp(*held_out[i][level]) >= policy::kBothPredict;
+  const double left = std::exp(held_out[i][level]->log_excess), by_null = std::exp(OfNull(held_out, level));
+  const bool no_question = held_out[i][level]->exact || 1.0 - left >= policy::kBothPredict;
+  const bool alike = by_null - left > policy::kHarm && no_question;
   return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
@@ -155,8 +163,10 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
     settled.verdict = null && only_here.empty() ? Conclusion::kNoEffect : Conclusion::kUnexplained;
     if (!only_here.empty()) {
       settled.best = only_here.front();
-      settled.reason =
-          fmt::format("{} leaves nothing but noise, but does not gain on the hold-out", all[*settled.best].Name());
+      settled.reason = fmt::format(
+          "{} leaves nothing but noise, but does not gain on the hold-out: there the model without it, its nominal "
+          "values fitted, is as good",
+          all[*settled.best].Name());
     } else {
       settled.reason = null ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
                             : "what leaves nothing but noise has its number on a bound, or is beaten by another model";
@@ -195,7 +205,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   };
   const double wanted = contest.released ? policy::kHeldOutReleased : policy::kHeldOutPrior;
   const auto held = [&](std::size_t i, std::size_t level) {
-    return held_out[i][level].value_or(std::numeric_limits<double>::infinity());
+    return held_out[i][level] ? held_out[i][level]->log_excess : std::numeric_limits<double>::infinity();
   };
   // E of a candidate beside the better of the plan as given (0) and the null.
   const auto explained = [&](std::size_t i, std::size_t level) {

@@ -13,7 +13,11 @@ namespace dynoproof::diagnosis {
 
 /// By level: logarithm of what a model leaves beyond the noise on data that took no part, over what the plan as given leaves
 /// there. Nothing: that run breaks.
-using HeldOut = std::vector<std::optional<double>>;
+struct LeftThere {
+  double log_excess = 0.0;
+  bool exact = false;  // nothing is left there but noise
+};
+using HeldOut = std::vector<std::optional<LeftThere>>;
 
 struct Settled {
   Conclusion verdict = Conclusion::kUnexplained;

@@ -85,6 +85,13 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
 
 }  // namespace
 
+double HorizonLevel::GeometricMean() const {
+  constexpr double kRoundOff = 1e-12;
+  double logarithms = 0.0;
+  for (const auto& [output, own] : nrmse) logarithms += std::log(std::max(own, kRoundOff));
+  return std::exp(logarithms / static_cast<double>(std::max<std::size_t>(1, nrmse.size())));
+}
+
 Result<std::optional<Horizon>> HorizonOf(Plan plan, MappedRecord record, const Registry& registry) {
   return Look(std::move(plan), std::move(record), registry, false);
 }

@@ -21,6 +21,9 @@ struct HorizonLevel {
   std::map<std::string, double> nrmse;     // RMS of the innovations over the output's own spread
   std::map<std::string, double> by_noise;  // what measurement noise alone would cause
   bool at_noise = false;                   // of every output
+
+  /// Of the NRMSE of all outputs.
+  double GeometricMean() const;
 };
 
 struct Horizon {

@@ -106,6 +106,22 @@ Hypothesis Hypothesis::WithStartFree(std::size_t record, const Registry& registr
   return more;
 }
 
+Hypothesis Hypothesis::WithDifferencesFree(std::size_t records) const {
+  Hypothesis more = *this;
+  if (records < 2) return more;
+  for (const NumberThatDiffers& number : NumbersThatDiffer(nominal_)) {
+    for (std::size_t r = 0; r < records; ++r) {
+      const std::string path = DifferenceOfRecord(r) + "." + number.path;
+      WriteNumber(more.nominal_.root, path, 1.0);
+      Parameter parameter{path, "1", true, 1.0, number.spread, 0.0, 0.0, true, {}, 1e-3, 2e-2};
+      parameter.lower = parameter.ValueAt(-kBound);
+      parameter.upper = parameter.ValueAt(kBound);
+      more.Insert(more.parameters_.size(), std::move(parameter), 1.0);
+    }
+  }
+  return more;
+}
+
 Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const {
   Hypothesis more = *this;
   const std::string scaled = effect.ScaledParameter(place);

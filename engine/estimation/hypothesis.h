@@ -34,6 +34,9 @@ class Hypothesis {
   /// Where a record starts, in the numbers that its plant declares for that, as far as the plan holds them for it
   /// (StartOfRecord()): each with its prior.
   Hypothesis WithStartFree(std::size_t record, const Registry& registry) const;
+  /// How numbers differ from record to record (NumbersThatDiffer()): of each of `records`, where there are several, a factor
+  /// of each such number, with its prior. Named DifferenceOfRecord(r) + "." + path.
+  Hypothesis WithDifferencesFree(std::size_t records) const;
   /// A number of the plan, by its dotted path.
   Hypothesis WithFree(Parameter parameter) const;
   /// An effect on top. The number that it scales, if any, is not free any more. Starts and sizes are those of its first

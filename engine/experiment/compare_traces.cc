@@ -249,9 +249,10 @@ class SignalComparison {
  private:
   /// What fails since only a part was compared; `of_part` says how that part is.
   score::Check InPart(const std::string& fault, const score::Check& of_part) const {
-    score::Check failed = NotCompared(name_, kind_, fault);
-    failed.explanation += of_part.verdict == score::Verdict::kPass ? "; what both have is within the tube"
-                                                                   : "; and " + of_part.explanation;
+    score::Check failed = of_part.verdict == score::Verdict::kPass ? NotCompared(name_, kind_, "") : of_part;
+    failed.explanation =
+        fault + "; " +
+        (of_part.verdict == score::Verdict::kPass ? "what both have is within the tube" : of_part.explanation);
     failed.evidence = of_part.evidence;
     return failed;
   }
@@ -342,6 +343,7 @@ score::Check NotCompared(const std::string& name, const std::string& kind, std::
   check.limit = 1.0;
   check.unit = "1";
   check.origin = "a comparison that does not happen proves nothing";
+  check.shown = "not compared";
   check.explanation = std::move(why);
   return check;
 }

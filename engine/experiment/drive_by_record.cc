@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/units.h"
+#include "experiment/gaps.h"
 
 namespace dynoproof {
 namespace {
@@ -73,7 +74,6 @@ Series BehindEvents(const Series& series) {
 /// the amplitude of a course at a tenth of the sampling rate. Longer gaps get a straight line: nothing is known there.
 Series WithoutGaps(const Series& series, double step_s) {
   constexpr int kOrder = 4;
-  constexpr std::ptrdiff_t kShort = 10;
   constexpr std::array<double, kOrder + 1> kDifference = {1.0, -4.0, 6.0, -4.0, 1.0};
   const Values &t = *series.time, &x = *series.values;
   // A fit asks once a simulation, and most records have all their rows.
@@ -91,7 +91,7 @@ Series WithoutGaps(const Series& series, double step_s) {
   }
   const auto rows = static_cast<std::ptrdiff_t>(values.size());
   for (const auto& [first, count] : gaps) {
-    if (count > kShort) continue;
+    if (count > kMostLost) continue;
     // Differences D x over the gap and its surroundings; the gap's own values solve D_g' D_g x_g = -D_g' D_rest x_rest.
     const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, first - kOrder);
     const std::ptrdiff_t to = std::min(rows, first + count + kOrder), differences = to - from - kOrder;
@@ -187,6 +187,18 @@ bool HasControllers(const Plan& plan) {
   return blocks != nullptr && blocks->is_table() && !blocks->table().empty();
 }
 
+/// Numbers of `root` times those that stand at the same paths of `factors`.
+void Multiply(Value& root, const Value& factors) {
+  for (const Value::Entry& entry : factors.table()) {
+    Value* own = root.Find(entry.key);
+    if (own == nullptr) continue;
+    if (entry.value.is_table() && own->is_table())
+      Multiply(*own, entry.value);
+    else if (entry.value.is_number() && own->is_number())
+      *own = Value(own->number() * entry.value.number());
+  }
+}
+
 }  // namespace
 
 MappedRecord OntoClock(MappedRecord data, const Plan& plan) {
@@ -254,13 +266,25 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records) {
   run["duration_s"] = Value(std::max(1.0, std::ceil(data.end_s / period_s - kOnTick)) * clock_s);
 }
 
-std::string StartOfRecord(std::size_t record) { return fmt::format("start_of_record.{}", record); }
+std::string StartOfRecord(std::size_t record) { return fmt::format("of_record.{}.start", record); }
+
+void WriteNumber(Value& root, const std::string& path, double value) {
+  Value* table = &root;
+  std::size_t begin = 0;
+  for (std::size_t dot = path.find('.'); dot != std::string::npos; begin = dot + 1, dot = path.find('.', begin))
+    table = &(*table)[path.substr(begin, dot - begin)];
+  (*table)[path.substr(begin)] = Value(value);
+}
+
+std::string DifferenceOfRecord(std::size_t record) { return fmt::format("of_record.{}.times", record); }
 
 Plan StartingInto(const Plan& plan, std::size_t record) {
-  const Value* start = plan.root.FindPath(StartOfRecord(record));
+  const Value *start = plan.root.FindPath(StartOfRecord(record)),
+              *difference = plan.root.FindPath(DifferenceOfRecord(record));
   Plan own = plan;
-  own.root.Erase("start_of_record");
+  own.root.Erase("of_record");
   if (start != nullptr) MergeInto(own.root, *start);
+  if (difference != nullptr) Multiply(own.root, *difference);
   return own;
 }
 

@@ -24,10 +24,16 @@ MappedRecord OntoClock(MappedRecord data, const Plan& plan);
 /// second order of the period.
 void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records);
 
-/// Where a plan holds the start of record `record` alone, to be laid over it: "start_of_record.0", with "plant..." in it.
+/// Where a plan holds the start of record `record` alone, to be laid over it: "of_record.0.start", with "plant..." in it.
 std::string StartOfRecord(std::size_t record);
 
-/// The plan as it starts into one record: with what it holds for that one alone.
+/// Where a plan holds, by the path of a number, the factor by which that differs in record `record`: "of_record.1.times".
+std::string DifferenceOfRecord(std::size_t record);
+
+/// Writes a number at a dotted path, with the tables that lead there.
+void WriteNumber(Value& root, const std::string& path, double value);
+
+/// The plan as it starts into one record: with what it holds for that one alone, its start and how numbers differ there.
 Plan StartingInto(const Plan& plan, std::size_t record);
 
 /// The unit of a clock by which a record of this span and step [in units as read] fits the time scales of the scenario; `read`

@@ -135,9 +135,8 @@ std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, cons
 
 void StartAt(const Start& start, Plan& plan) {
   for (const auto& [path, number] : start) {
-    const std::size_t dot = path.rfind('.');
-    if (Value* table = plan.root.FindPath(path.substr(0, dot)); table != nullptr && table->is_table())
-      (*table)[path.substr(dot + 1)] = Value(number);
+    if (const Value* table = plan.root.FindPath(path.substr(0, path.rfind('.'))); table != nullptr && table->is_table())
+      WriteNumber(plan.root, path, number);
   }
 }
 

@@ -12,11 +12,10 @@
 namespace dynoproof::identification {
 namespace {
 
-/// Of the distance of held inputs. Half a sample more or less on the way changes the misfit of a right model tenfold and
-/// more, that of a wrong one hardly: between lies the doubt, in which inputs stay held.
 constexpr double kClearly = 0.5;
-constexpr double kWorthAWord = 0.9;
-constexpr double kRoundOff = 1e-12;  // NRMSE
+/// Of the distance of held inputs. What a model lacks adds to half a sample more or less by squares, as far as the two are alike in
+/// nothing: so the least distance is the likeliest, however wrong the model. Below lies what noise may do.
+constexpr double kBetter = 0.9;
 
 }  // namespace
 
@@ -52,9 +51,7 @@ std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registr
     const Result<std::optional<estimation::HorizonLevel>> level =
         estimation::ShortestLevelOf(plan, WithBetween(record, plan, between), registry);
     if (!level.ok() || !*level) continue;  // a fit that needs it says why
-    double logarithms = 0.0;
-    for (const auto& [output, nrmse] : (*level)->nrmse) logarithms += std::log(std::max(nrmse, kRoundOff));
-    fits.push_back({between, std::exp(logarithms / static_cast<double>((*level)->nrmse.size()))});
+    fits.push_back({between, (*level)->GeometricMean()});
   }
   return fits;
 }
@@ -71,17 +68,16 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
   const std::vector<BetweenFit> fits = CompareBetween(plan, registry, record);
   if (fits.empty()) return;
   const auto [best, worst] = std::ranges::minmax_element(fits, {}, &BetweenFit::nrmse);
-  // Straight lines and band-limited courses are near each other, and both are no steps.
-  const BetweenFit& taken = best->nrmse < kClearly * fits.front().nrmse ? *best : fits.front();
+  const BetweenFit& taken = best->nrmse < kBetter * fits.front().nrmse ? *best : fits.front();
   record = WithBetween(std::move(record), plan, taken.between);
-  if (best->nrmse > kWorthAWord * worst->nrmse) return;
+  if (best->nrmse > kBetter * worst->nrmse) return;
   std::string distances;
   for (const BetweenFit& fit : fits)
     distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
   record.notes.push_back(fmt::format(
       "between their samples the inputs are taken as {}, which neither file nor map says: corrected by the record with "
-      "a short memory the outputs are off by (NRMSE) {}{}; if you know it, state it in a map: between = \"{}\"",
-      taken.between, distances, &taken == &*best ? "" : ", which decides nothing", taken.between));
+      "a short memory the outputs are off by (NRMSE) {}; if you know it, say between = ... of each input in a map",
+      taken.between, distances));
 }
 
 }  // namespace dynoproof::identification

@@ -25,8 +25,8 @@ std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registr
 /// Whether one of them leaves no doubt: less than half of what any other leaves.
 bool IsClear(const std::vector<BetweenFit>& fits, const std::string& between);
 
-/// Lets those inputs do what fits clearly better than to be held (a guess, as the record then says), and notes the
-/// comparison where it makes a difference.
+/// Lets those inputs do what leaves the least distance, or to be held where that is hardly less (a guess, as the record then says),
+/// and notes the comparison where it makes a difference.
 void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& record);
 
 /// The record with all inputs of which nobody says it doing this.

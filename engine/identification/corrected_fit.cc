@@ -113,6 +113,25 @@ void AddValues(const estimation::Hypothesis& hypothesis, const std::vector<FreeK
   result.alike = told.alike;
 }
 
+/// How numbers differ from record to record, in the order of the hypothesis' parameters, by the level that is taken.
+void AddOfRecords(const estimation::Hypothesis& hypothesis, const estimation::Estimate& fit, const DataSet& data,
+                  Identified& result) {
+  constexpr double kTwoSided = 1.959964;
+  const Eigen::MatrixXd covariance = estimation::Sandwich(fit, data, hypothesis);
+  for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
+    const Parameter& parameter = hypothesis.parameters()[i];
+    for (std::size_t r = 0; r < data.records().size(); ++r) {
+      const std::string before = DifferenceOfRecord(r) + ".";
+      if (!parameter.name.starts_with(before)) continue;
+      const auto k = static_cast<Eigen::Index>(i);
+      const double half = kTwoSided * std::sqrt(std::max(0.0, covariance(k, k)));
+      result.of_records.push_back({r, data.records()[r].file, parameter.name.substr(before.size()),
+                                   parameter.ValueAt(fit.q[k]),
+                                   std::pair(parameter.ValueAt(fit.q[k] - half), parameter.ValueAt(fit.q[k] + half))});
+    }
+  }
+}
+
 /// The nominal values; or the best of some random points, anywhere within the bounds that are given, else within a factor.
 Eigen::VectorXd StartOf(const estimation::Hypothesis& hypothesis, const std::vector<FreeKey>& keys, int start,
                         const Predictor& predictor) {
@@ -177,6 +196,7 @@ Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& opt
     hypothesis = hypothesis.WithStartFree(r, registry);
     if (hypothesis.parameters().size() > before) data[r].in_motion = false;
   }
+  hypothesis = hypothesis.WithDifferencesFree(data.size());
   const DataSet whole(data, plan);
   const Result<LinearModel> model = LinearModel::Of(StartingInto(plan, 0), whole.records().front(), registry);
   if (!model.ok()) return model.failure();
@@ -240,6 +260,7 @@ Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& opt
   result.starts = static_cast<int>(ends.size());
   result.converged = static_cast<int>(std::ranges::count_if(ends, [&](double end) { return end > likeliest - kSame; }));
   AddValues(hypothesis, options.keys, fits, best, compared, result);
+  AddOfRecords(hypothesis, fits[best], compared, result);
   return {};
 }
 

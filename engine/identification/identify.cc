@@ -9,12 +9,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "experiment/drive_by_record.h"
 #include "experiment/prediction_windows.h"
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
 #include "identification/start.h"
 #include "identification/suspects.h"
 #include "identification/told_apart.h"
+#include "model/prior.h"
 #include "scenario/load.h"
 
 namespace dynoproof::identification {
@@ -238,17 +240,22 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
     if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
   } else if (options.method == IdentifyMethod::kCorrected) {
     if (Status failed = FitCorrected(problem, options, result)) return *failed;
-    if (!result.level->memory_s) GoOnInFreeRun(problem, axes, result);
+    // The free run's objective knows no differences between records.
+    if (!result.level->memory_s && result.of_records.empty()) GoOnInFreeRun(problem, axes, result);
   } else {
     const MultiStartOptions search = {options.starts, TriesOf(options), options.progress};
     if (Status failed = InOneStage(problem, axes, options.method, search, result)) return *failed;
   }
   Plan found = problem.plan();
   for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);
+  for (const ValueOfRecord& one : result.of_records)
+    WriteNumber(found.root, DifferenceOfRecord(one.record) + "." + one.key, one.factor);
   const Result<double> after = NrmseOf(*free_run, found);
   if (!after.ok()) return after.failure();
   result.nrmse_after = *after;
   result.doubts = DoubtsOf(result);
+  if (options.method != IdentifyMethod::kCorrected && data.size() > 1 && !NumbersThatDiffer(plan).empty())
+    result.notes.push_back("[prior] states numbers that differ from record to record: --method corrected fits them");
   if (result.level && result.level->memory_s)
     result.notes.push_back("the model leaves more than noise in its free run: diagnose looks for what it lacks");
   return result;
@@ -266,7 +273,8 @@ Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRec
   Plan found = plan;
   for (const IdentifiedValue& one : best->values) *found.root.FindPath(one.key) = Value(one.value);
   if (IsClear(CompareBetween(found, registry, *doubtful), first)) return best;
-  double least = best->nrmse_after, most = best->nrmse_after;
+  const double before = best->nrmse_after;
+  double least = before, most = before;
   std::string taken = first, text = fmt::format("{} {:.3g}", first, best->nrmse_after);
   for (const std::string& between : PossibleBetween(plan, *doubtful)) {
     if (between == first) continue;
@@ -276,13 +284,13 @@ Result<Identified> IdentifyBetween(const Plan& plan, const std::vector<MappedRec
     if (!fit.ok()) continue;
     text += fmt::format(", {} {:.3g}", between, fit->nrmse_after);
     least = std::min(least, fit->nrmse_after), most = std::max(most, fit->nrmse_after);
-    if (fit->nrmse_after < kBetter * best->nrmse_after) best = std::move(fit), taken = between;
+    if (fit->nrmse_after < std::min(kBetter * before, best->nrmse_after)) best = std::move(fit), taken = between;
   }
   if (least > kBetter * most) return best;  // it makes no difference
   best->notes.push_back(fmt::format(
       "neither file nor map says what the inputs do between their samples; fitted, the outputs are off by (NRMSE) "
-      "{}: {} is taken, state it in a map: between = \"{}\"",
-      text, taken, taken));
+      "{}: {} is taken; if you know it, say between = ... of each input in a map",
+      text, taken));
   return best;
 }
 
@@ -312,6 +320,12 @@ std::vector<std::string> WhatItMayBe(const Plan& plan, const std::vector<MappedR
                       "columns",
                       suspects[i].text, fit->nrmse_after, identified.nrmse_after));
   }
+  if (!causes.empty()) return causes;
+  for (const Suspect& one : MisreadingsOf(plan, data.front(), registry))
+    causes.push_back(
+        fmt::format("the model would be near the record, if that were read otherwise: {}; a map says units, signs and "
+                    "columns",
+                    one.text));
   if (!causes.empty()) return causes;
   if (const double alike = LargestCorrelation(problem, found); alike < kAlike)
     causes.push_back(
@@ -350,6 +364,12 @@ nlohmann::json ToJson(const Identified& identified) {
         {"value", one.value}, {"nominal", one.nominal}, {"ci95", nullptr}, {"on_bound", one.on_bound}};
     if (one.interval) out["parameters"][one.key]["ci95"] = {one.interval->first, one.interval->second};
   }
+  for (const ValueOfRecord& one : identified.of_records) {
+    out["of_records"].push_back({{"record", one.file},
+                                 {"key", one.key},
+                                 {"factor", one.factor},
+                                 {"ci95", {one.interval.first, one.interval.second}}});
+  }
   for (Eigen::Index i = 0; i < identified.covariance.rows(); ++i) {
     out["covariance"].push_back(nlohmann::json::array());
     for (Eigen::Index k = 0; k < identified.covariance.cols(); ++k)
@@ -366,6 +386,9 @@ std::string ToTable(const Identified& identified) {
     text += fmt::format("{:<44}{:>14.6g}{:>14.6g}   {}\n", one.key, one.nominal, one.value,
                         one.on_bound ? "on its bound" : interval);
   }
+  for (const ValueOfRecord& one : identified.of_records)
+    text += fmt::format("{:<58} times {:>8.4f}   {:.4f} ... {:.4f}\n", fmt::format("{} in {}", one.key, one.file),
+                        one.factor, one.interval.first, one.interval.second);
   const auto& [resonances, gains, zeros] = identified.landmarks;
   if (!resonances.empty())
     text += fmt::format("resonances at {:.1f} Hz; {}\n", fmt::join(resonances, ", "),
@@ -452,7 +475,11 @@ std::string ToScenario(const Identified& identified, const Plan& plan, const Pla
     }
     *to = *from;
   }
-  for (const IdentifiedValue& one : identified.values) tree["prior"][one.key] = Value("fitted");
+  const std::vector<NumberThatDiffers> differ = NumbersThatDiffer(plan);  // which stays in force
+  for (const IdentifiedValue& one : identified.values) {
+    if (std::ranges::find(differ, one.key, &NumberThatDiffers::path) == differ.end())
+      tree["prior"][one.key] = Value("fitted");
+  }
   return std::string(kIdentified) + ToToml(tree);
 }
 

@@ -44,8 +44,16 @@ struct IdentifiedValue {
       interval;  // 95 %; none on a bound, not told apart, as wide as the bounds, and by two stages
   bool on_bound = false;
 };
+/// A number in one record, where [prior] says that it differs from record to record.
+struct ValueOfRecord {
+  std::size_t record = 0;
+  std::string file, key;
+  double factor = 1.0;                 // on the common value
+  std::pair<double, double> interval;  // 95 %, of the factor
+};
 struct Identified {
   std::vector<IdentifiedValue> values;
+  std::vector<ValueOfRecord> of_records;
   Eigen::MatrixXd covariance;  // of the values, corrected for the colour of the residual (sandwich); empty: none, NaN:
                                // not told apart
   std::vector<double> singular;                 // of the Jacobian in the search's own numbers, largest first; by stage

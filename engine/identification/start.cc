@@ -18,14 +18,6 @@ namespace {
 /// Of a start's prior spread: far above round-off, and an impact more or less is not to be met.
 constexpr double kStep = 1e-3;
 
-void Write(Plan& plan, const std::string& path, double value) {
-  Value* table = &plan.root;
-  std::size_t begin = 0;
-  for (std::size_t dot = path.find('.'); dot != std::string::npos; begin = dot + 1, dot = path.find('.', begin))
-    table = &(*table)[path.substr(begin, dot - begin)];
-  (*table)[path.substr(begin)] = Value(value);
-}
-
 /// The weight of each row: one over the spread of its channel.
 Eigen::VectorXd WeightsOf(const EstimationProblem& problem) {
   Eigen::VectorXd weights(problem.measured().size());
@@ -76,8 +68,9 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
     const EstimationProblem own(problem.plan(), {records[r]}, problem.registry(), until, problem.context());
     const auto predict = [&](const std::vector<double>& values) {
       Plan moved = plan;
-      moved.root.Erase("start_of_record");
-      for (std::size_t k = 0; k < starts.size(); ++k) Write(moved, StartOfRecord(0) + "." + starts[k]->path, values[k]);
+      moved.root.Erase("of_record");
+      for (std::size_t k = 0; k < starts.size(); ++k)
+        WriteNumber(moved.root, StartOfRecord(0) + "." + starts[k]->path, values[k]);
       return own.PredictPlan(moved);
     };
     std::vector<double> values;
@@ -103,8 +96,8 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
     // What the record does not show stays at its nominal value: the smallest of all solutions.
     const Eigen::VectorXd z = dense::LeastSquares(slopes, error);
     for (std::size_t k = 0; k < starts.size(); ++k)
-      Write(plan, StartOfRecord(r) + "." + starts[k]->path,
-            values[k] + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
+      WriteNumber(plan.root, StartOfRecord(r) + "." + starts[k]->path,
+                  values[k] + starts[k]->spread * z[static_cast<Eigen::Index>(k)]);
   }
   return plan;
 }
@@ -140,7 +133,7 @@ Result<Plan> FindStarts(const EstimationProblem& problem, const Plan& plan, doub
   const Result<Plan> once = FitStarts(problem, plan, until);
   if (!once.ok()) return once;
   const auto starts = std::ranges::count_if(problem.nuisances(), &Nuisance::start);
-  if (starts == 0 || once->root.Find("start_of_record") == nullptr) return once;
+  if (starts == 0 || once->root.Find("of_record") == nullptr) return once;
   double share = 0.0;  // of the records, in which every output has rows enough, one that begins late as well
   for (const MappedRecord& record : problem.records()) {
     for (const auto& [name, series] : record.outputs) {

@@ -6,10 +6,14 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
 #include <memory>
 #include <utility>
 
+#include "estimation/horizon.h"
 #include "identification/objective.h"
+#include "score/series.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -144,6 +148,88 @@ Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const 
   }
   std::sort(suspects.begin(), suspects.end(), [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
   return suspects;
+}
+
+std::vector<Suspect> MisreadingsOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  constexpr double kNear = 0.2, kThird = 1.0 / 3.0, kSame = 1.2;
+  static constexpr std::array<double, 5> kFactors = {1000.0, 60.0, 9.5493, 57.2958, 6.2832};
+  std::vector<Suspect> found;
+  const auto distance = [&](const MappedRecord& as) {
+    const Result<std::optional<estimation::HorizonLevel>> level = estimation::ShortestLevelOf(plan, as, registry);
+    return level.ok() && *level ? (*level)->GeometricMean() : std::numeric_limits<double>::infinity();
+  };
+  const double given = distance(record);
+  if (record.outputs.empty() || given < kNear) return found;
+  std::vector<std::string> inputs, outputs, all;
+  std::map<std::string, std::vector<std::string>> of_unit;
+  for (const auto& [name, series] : record.inputs) inputs.push_back(name);
+  for (const auto& [name, series] : record.outputs) outputs.push_back(name);
+  all = inputs;
+  all.insert(all.end(), outputs.begin(), outputs.end());
+  const auto stated = [&](const std::string& name) {
+    return plan.root.FindPath((record.inputs.contains(name) ? "input." : "output.") + name);
+  };
+  for (const std::string& name : all) of_unit[stated(name)->TextOr("unit", "1")].push_back(name);
+  // How far signals are from their nominal values, in powers of ten.
+  const auto unusual = [&](MappedRecord& as) {
+    double sum = 0.0;
+    for (const std::string& name : all) {
+      const double size = score::Largest(*Find(as, name)->values);
+      sum += size > 0.0 ? std::abs(std::log10(size / stated(name)->NumberOr("nominal", 1.0))) : 0.0;
+    }
+    return sum;
+  };
+  struct Reading {
+    Suspect suspect;
+    double unusual;
+  };
+  std::vector<Reading> readings;
+  MappedRecord as_given = record;
+  const double usual = unusual(as_given);
+  const auto consider = [&](const char* kind, const std::string& column, const std::string& text,
+                            const std::function<void(MappedRecord&)>& read) {
+    MappedRecord as = record;
+    read(as);
+    const double now = unusual(as);
+    if (std::string_view(kind) == "unit" && !(now < usual)) return;
+    if (const double after = distance(as); after < kThird * given)
+      readings.push_back({{text, after, true, {as}, kind, column}, now});
+  };
+  const auto scale = [](const std::vector<std::string>& names, double factor) {
+    return [&names, factor](MappedRecord& as) {
+      for (const std::string& name : names) *Find(as, name) = Scaled(*Find(as, name), factor);
+    };
+  };
+  std::vector<std::vector<std::string>> groups;
+  if (!inputs.empty()) groups.push_back(inputs);
+  for (const std::string& name : outputs) groups.push_back({name});
+  for (const std::vector<std::string>& names : groups)
+    consider("sign", names.front(), fmt::format("{} with the other sign", fmt::join(names, ", ")), scale(names, -1.0));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = std::max(i + 1, inputs.size()); k < all.size(); ++k)
+      consider("swapped", all[k], fmt::format("{} and {} exchanged", all[i], all[k]),
+               [&](MappedRecord& as) { Exchange(as, all[i], all[k]); });
+  }
+  for (const auto& [unit, names] : of_unit) {
+    if (names.size() > 1) groups.push_back(names);
+  }
+  for (const std::vector<std::string>& names : groups) {
+    const std::string unit = stated(names.front())->TextOr("unit", "1");
+    for (const double known : kFactors) {
+      for (const double factor : {known, 1.0 / known}) {
+        if (CauseOfFactor(factor, unit))
+          consider("unit", names.front(), TextOfFactor(fmt::format("{}", fmt::join(names, ", ")), factor, unit),
+                   scale(names, factor));
+      }
+    }
+  }
+  if (readings.empty()) return found;
+  std::ranges::sort(readings, {}, [](const Reading& one) { return one.suspect.nrmse; });
+  const auto end = std::ranges::find_if(
+      readings, [&](const Reading& one) { return one.suspect.nrmse > kSame * readings.front().suspect.nrmse; });
+  std::stable_sort(readings.begin(), end, [](const Reading& a, const Reading& b) { return a.unusual < b.unusual; });
+  for (auto one = readings.begin(); one != end; ++one) found.push_back(std::move(one->suspect));
+  return found;
 }
 
 double LargestCorrelation(const EstimationProblem& problem, const Plan& plan) {

@@ -17,17 +17,25 @@ namespace dynoproof::identification {
 std::optional<std::string> CauseOfFactor(double factor, const std::string& unit);
 
 struct Suspect {
-  std::string text;  // "T_shaft and omega_1 are exchanged"
+  std::string text;  // "T_shaft and omega_1 exchanged"
   double nrmse = 0.0;
-  bool certain =
-      false;  // an exchange or a known factor, with which the scenario leaves a hundredth of the squares: no model is wrong so
-  std::vector<MappedRecord> records;  // as they were meant then
+  /// An exchange or a known factor, with which the scenario leaves a hundredth of the squares: no model is wrong so.
+  bool certain = false;
+  std::vector<MappedRecord> records = {};  // as they were meant then
+  std::string kind = {}, column = {};      // "sign", "swapped" or "unit", and the first signal of it
 };
 
 /// What leaves less than half of the distance from the prediction of `plan` when records are read otherwise, least
 /// distance first: inputs larger or smaller, an output in another unit or with another sign, two signals exchanged. Empty
 /// where that distance is no reason to ask. Fails where a run breaks.
 Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const Plan& plan);
+
+/// The readings of a record under which a run that it corrects with a short memory leaves less than a third, least distance first
+/// (those that leave the same in the order in which signals come near their nominal values): an output or the inputs with the other
+/// sign, two signals exchanged, an output, the inputs or all signals of a unit in another one. Such a run shows the forces, which
+/// a model that is some per cent off has right to some per cent: a free run of it is soon out of step with any reading. Empty
+/// where nothing is compared, or the record as it is is near.
+std::vector<Suspect> MisreadingsOf(const Plan& plan, const MappedRecord& record, const Registry& registry);
 
 /// Whether a scenario that leaves `nrmse` accounts for what it is asked.
 bool AccountsFor(double nrmse);

@@ -83,9 +83,15 @@ bool ReadParameters(const Effect& effect, const EffectUse& use, std::vector<doub
 bool ApplyEffect(const Registry& registry, const EffectUse& use, Plan& plan, Diagnostics& diagnostics) {
   const Effect* effect = registry.FindEffect(use.name);
   if (effect == nullptr) {
-    std::vector<std::string> names;
-    for (const Effect* known : registry.Effects()) names.push_back(known->info().name);
-    const std::optional<std::string> near = Closest(use.name, names);
+    std::vector<std::string> names, described;  // the latter in these words: "dry_friction"
+    std::string words = use.name;
+    std::ranges::replace(words, '_', ' ');
+    for (const Effect* known : registry.Effects()) {
+      names.push_back(known->info().name);
+      if (!words.empty() && known->info().description.find(words) != std::string::npos)
+        described.push_back(names.back());
+    }
+    const std::optional<std::string> near = described.size() == 1 ? described.front() : Closest(use.name, names);
     diagnostics.Error(use.name_where.known() ? use.name_where : use.where,
                       fmt::format("there is no effect \"{}\"", use.name),
                       near ? fmt::format("did you mean \"{}\"?", *near) : "", "dynoproof list");

@@ -29,6 +29,7 @@ const Value* ParamReader::Take(const char* key, const std::string& rule, bool re
   const Value* value = table_.Find(key);
   if (value == nullptr && required && table_.is_table()) {  // of no table Finish() says so, once
     ok_ = false;
+    lacking_.emplace_back(key);
     diagnostics_.Error(table_.where(), fmt::format("{} needs the key \"{}\" ({})", context_, key, description),
                        fmt::format("add {} = ... [{}]", key, rule), "");
   }
@@ -58,6 +59,7 @@ void ParamReader::Finish() {
                  [this](const std::string& key) { return table_.Find(key) == nullptr; });
     std::optional<std::string> near = Closest(entry.key, missing);
     if (!near) near = Closest(entry.key, asked_);
+    if (!near && lacking_.size() == 1) near = lacking_.front();  // what has to stand there is most likely what this is
     std::vector<std::string> sorted = asked_;
     std::sort(sorted.begin(), sorted.end());
     const std::string hint =

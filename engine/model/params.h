@@ -149,7 +149,7 @@ class ParamReader {
   const Value& table_;
   Diagnostics& diagnostics_;
   std::string context_;
-  std::vector<std::string> asked_;
+  std::vector<std::string> asked_, lacking_;  // keys that may stand there; those that have to and do not
   bool ok_ = true;
 };
 

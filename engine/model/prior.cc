@@ -30,19 +30,30 @@ std::optional<double> SpreadOf(std::string_view text) {
   return percent / 100.0;
 }
 
+/// What is said of one number.
 struct Stated {
   std::string path;
   const Value* value;
+  bool per_record = false;
 };
+
+/// Whether a table is one of a prior, and not one of numbers.
+bool IsPrior(const Value& table) {
+  const Value *spread = table.Find("spread"), *per_record = table.Find("per_record");
+  return (spread != nullptr && !spread->is_table()) || (per_record != nullptr && !per_record->is_table());
+}
 
 /// Keys with dots and tables in tables say the same.
 void Collect(const Value& table, const std::string& before, std::vector<Stated>& found) {
   for (const Value::Entry& entry : table.table()) {
     const std::string path = before.empty() ? entry.key : before + "." + entry.key;
-    if (entry.value.is_table()) {
-      Collect(entry.value, path, found);
-    } else {
+    if (!entry.value.is_table()) {
       found.push_back({path, &entry.value});
+    } else if (IsPrior(entry.value)) {
+      const Value* per_record = entry.value.Find("per_record");
+      found.push_back({path, &entry.value, per_record != nullptr && per_record->is_bool() && per_record->boolean()});
+    } else {
+      Collect(entry.value, path, found);
     }
   }
 }
@@ -54,6 +65,26 @@ std::vector<Stated> StatedPriors(const Plan& plan) {
   return found;
 }
 
+/// "2 %", alone or as the `spread` of a table; empty where that is no text.
+std::string TextOf(const Stated& one) {
+  return one.value->is_string() ? one.value->string() : one.value->is_table() ? one.value->TextOr("spread") : "";
+}
+
+/// The faults of a prior that is a table.
+void CheckTable(const Stated& one, Diagnostics& diagnostics) {
+  for (const Value::Entry& entry : one.value->table()) {
+    if (entry.key == "per_record" && !entry.value.is_bool())
+      diagnostics.Error(entry.where, fmt::format("per_record of \"{}\" is neither true nor false", one.path));
+    if (entry.key != "spread" && entry.key != "per_record")
+      diagnostics.Error(entry.where, fmt::format("unknown key \"{}\" in the prior of \"{}\"", entry.key, one.path),
+                        "known keys: spread, per_record");
+  }
+  if (one.per_record && !TextOf(one).ends_with("%"))
+    diagnostics.Error(one.value->where(),
+                      fmt::format("how much \"{}\" differs from record to record is not said", one.path),
+                      "write { spread = \"5 %\", per_record = true }: without a share there is no common value");
+}
+
 }  // namespace
 
 void CheckPriors(const Plan& plan, Diagnostics& diagnostics) {
@@ -63,21 +94,23 @@ void CheckPriors(const Plan& plan, Diagnostics& diagnostics) {
     if (number == nullptr || !number->is_number()) {
       diagnostics.Error(one.value->where(), fmt::format("there is no number \"{}\" in the scenario", one.path),
                         "dynoproof describe SCENARIO lists them");
-    } else if (number->number() == 0.0 && one.value->is_string() && one.value->string().ends_with("%")) {
+    } else if (number->number() == 0.0 && TextOf(one).ends_with("%")) {
       diagnostics.Error(one.value->where(), fmt::format("\"{}\" is 0, and a share of it says nothing", one.path),
                         "write a number that it may be");
     }
-    if (!one.value->is_string() || !SpreadOf(one.value->string()))
-      diagnostics.Error(one.value->where(), fmt::format("the prior of \"{}\" is none", one.path),
-                        "write \"2 %\" (above 0, up to 100 %), \"fitted\" or \"free\"");
+    if (one.value->is_table()) CheckTable(one, diagnostics);
+    if (!one.per_record && !SpreadOf(TextOf(one)))
+      diagnostics.Error(
+          one.value->where(), fmt::format("the prior of \"{}\" is none", one.path),
+          "write \"2 %\" (above 0, up to 100 %), \"fitted\" or \"free\"; or a table of spread and per_record");
   }
 }
 
 std::vector<NuisanceParameter> NuisancesWithPriors(const PlantTraits& plant, const Plan& plan) {
   std::vector<NuisanceParameter> all = plant.nuisances ? plant.nuisances(plan) : std::vector<NuisanceParameter>();
   for (const Stated& one : StatedPriors(plan)) {
-    const std::optional<double> spread = one.value->is_string() ? SpreadOf(one.value->string()) : std::nullopt;
-    if (!spread) continue;
+    const std::optional<double> spread = SpreadOf(TextOf(one));
+    if (!spread || one.per_record) continue;
     const auto own = std::ranges::find(all, one.path, &NuisanceParameter::path);
     if (own == all.end()) {
       all.push_back({one.path, true, *spread, "stated in [prior]"});
@@ -88,8 +121,18 @@ std::vector<NuisanceParameter> NuisancesWithPriors(const PlantTraits& plant, con
   return all;
 }
 
+std::vector<NumberThatDiffers> NumbersThatDiffer(const Plan& plan) {
+  std::vector<NumberThatDiffers> numbers;
+  for (const Stated& one : StatedPriors(plan)) {
+    const std::optional<double> spread = one.per_record ? SpreadOf(TextOf(one)) : std::nullopt;
+    if (spread) numbers.push_back({one.path, *spread});
+  }
+  return numbers;
+}
+
 bool PriorIsStated(const Plan& plan, const std::string& path) {
-  return std::ranges::any_of(StatedPriors(plan), [&](const Stated& one) { return one.path == path; });
+  return std::ranges::any_of(StatedPriors(plan),
+                             [&](const Stated& one) { return one.path == path && !one.per_record; });
 }
 
 }  // namespace dynoproof

@@ -100,8 +100,11 @@ std::vector<std::string> FindScenarios(const std::string& name, Diagnostics& dia
   std::vector<std::string> ids;
   for (const std::string& file : all) ids.push_back(ScenarioId(file));
   const std::optional<std::string> near = Closest(name, ids);
+  const std::string file = name + ".toml";
   diagnostics.Error({name}, "there is no such scenario, file or folder",
-                    near ? fmt::format("did you mean \"{}\"?", *near) : "see: dynoproof list");
+                    fs::is_regular_file(file, error) ? fmt::format("did you mean \"{}\"?", file)
+                    : near                           ? fmt::format("did you mean \"{}\"?", *near)
+                                                     : "see: dynoproof list");
   return {};
 }
 

@@ -50,6 +50,12 @@ void CellColumns::Store(std::size_t index, std::string_view cell, std::size_t li
       ++column.numbers;
     } else {
       column.last = Column::Kind::kWord;
+      const bool may_be_clock = column.numbers == 0 && column.stamps == column.words;
+      if (const std::optional<double> stamp = may_be_clock ? column.clock.Read(cell) : std::nullopt) {
+        value = *stamp;
+        column.last = Column::Kind::kStamp;
+        ++column.stamps;
+      }
       if (column.words++ == 0) {
         column.first_word = numbers_.Explain(cell);
         column.first_word_line = line;
@@ -68,7 +74,8 @@ void CellColumns::DropRow(std::size_t line) {
     if (column.values.size() <= rows_) continue;  // the row ended before it
     column.values.pop_back();
     if (column.last == Column::Kind::kNumber) --column.numbers;
-    if (column.last == Column::Kind::kWord) --column.words;
+    if (column.last == Column::Kind::kWord || column.last == Column::Kind::kStamp) --column.words;
+    if (column.last == Column::Kind::kStamp) --column.stamps;
     if (column.first_bad_line == line) column.first_bad_line = 0;
   }
 }
@@ -81,9 +88,21 @@ void CellColumns::DropEmptyRows(std::size_t count) {
   }
 }
 
+void CellColumns::ForgetStamps(Column& column) {
+  if (column.stamps == 0 || IsClock(column)) return;
+  for (std::size_t i = 0, left = column.stamps; left > 0 && i < column.values.size(); ++i) {
+    if (std::isnan(column.values[i])) continue;
+    column.values[i] = std::numeric_limits<double>::quiet_NaN();
+    --left;
+  }
+  column.first_bad_line =
+      column.first_bad_line == 0 ? column.first_word_line : std::min(column.first_bad_line, column.first_word_line);
+}
+
 /// Why a column is none of numbers, or nothing.
 std::string CellColumns::WhyNot(const Column& column) {
   if (!column.unwanted.empty()) return column.unwanted;
+  if (IsClock(column)) return "";
   if (column.numbers == 0 && column.words == 0) return "is empty throughout";
   if (column.words <= column.numbers) return "";
   constexpr std::string_view kPlain = " is not a number";
@@ -96,6 +115,7 @@ void CellColumns::MoveTo(Record& record) {
   std::string left_out;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     Column& column = columns_[i];
+    ForgetStamps(column);
     const Heading& heading = layout_.columns[i];
     const bool nameless = heading.name.empty();
     const std::string name = nameless ? fmt::format("column {}", i + 1) : WithoutControls(heading.name);
@@ -107,7 +127,10 @@ void CellColumns::MoveTo(Record& record) {
       record.left_out.emplace_back(name, std::move(why));
       continue;
     }
-    if (column.words > 0) {
+    if (IsClock(column)) {
+      record.notes.push_back(
+          fmt::format("{} holds stamps of a clock: seconds from the midnight before the first one", Shown(name)));
+    } else if (column.words > 0) {
       record.notes.push_back(
           fmt::format("column {} ({}): {} of {} cells {} no number and left empty, the first in line {}: {}", i + 1,
                       name, column.words, column.values.size(), column.words == 1 ? "is" : "are",
@@ -118,7 +141,7 @@ void CellColumns::MoveTo(Record& record) {
       record.non_finite.push_back({.column = record.columns.size(), .first_line = column.first_bad_line});
     }
     record.columns.push_back({.name = name,
-                              .unit = WithoutControls(heading.unit),
+                              .unit = IsClock(column) ? "s" : WithoutControls(heading.unit),
                               .values = std::move(column.values),
                               .time = {},
                               .heading = WithoutControls(heading.heading)});

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "trace/clock_text.h"
 #include "trace/csv_layout.h"
 #include "trace/csv_text.h"
 #include "trace/record.h"
@@ -46,13 +47,21 @@ class CellColumns {
     std::string unwanted;  // why nobody can ask for it: "has no name"
     std::vector<double> values;
     std::size_t numbers = 0, words = 0;  // cells that hold something
-    std::size_t first_bad_line = 0;      // line of the first value that is not finite, 0 none
-    std::string first_word;              // what is wrong with the first cell that is no number
+    ClockReader clock;
+    std::size_t stamps = 0;          // words that are stamps of a clock, and so stand among the values
+    std::size_t first_bad_line = 0;  // line of the first value that is not finite, 0 none
+    std::string first_word;          // what is wrong with the first cell that is no number
     std::size_t first_word_line = 0;
-    enum class Kind { kNothing, kNumber, kWord } last = Kind::kNothing;
+    enum class Kind { kNothing, kNumber, kWord, kStamp } last = Kind::kNothing;
   };
 
   static std::string WhyNot(const Column& column);
+  /// Whether every cell that holds something is a stamp of a clock.
+  static bool IsClock(const Column& column) {
+    return column.stamps > 0 && column.stamps == column.words + column.numbers;
+  }
+  /// Stamps among numbers or words are none.
+  static void ForgetStamps(Column& column);
 
   const Layout& layout_;
   NumberReader numbers_;

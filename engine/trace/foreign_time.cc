@@ -40,10 +40,12 @@ std::optional<ForeignTimeName> ForeignTime(std::string_view name) {
   ForeignTimeName foreign{TimeUnitOf(name)};
   std::string plain = Plain(name);
   if (!foreign.unit.empty()) plain.resize(plain.size() - foreign.unit.size() - 1);
-  static constexpr std::array<std::string_view, 19> kNames = {
-      "t",         "time",     "times",    "timestamp",     "time stamp",  "timestamps", "timeaxis",
-      "time axis", "elapsed",  "zeit",     "zeitstempel",   "temps",       "tiempo",     "tempo",
-      "x value",   "abs time", "rel time", "relative time", "elapsed time"};
+  if (plain.ends_with(" in")) plain.resize(plain.size() - 3);  // "Zeit in ms"
+  static constexpr std::array<std::string_view, 26> kNames = {
+      "t",         "time",          "times",     "timestamp",     "time stamp",   "timestamps", "timeaxis",
+      "time axis", "elapsed",       "zeit",      "zeitstempel",   "temps",        "tiempo",     "tempo",
+      "x value",   "abs time",      "rel time",  "relative time", "elapsed time", "uhrzeit",    "datetime",
+      "date time", "datum uhrzeit", "zeitpunkt", "clock",         "time of day"};
   // T_s is a torque, or a temperature.
   if ((plain == "t" && name.front() == 'T') || std::find(kNames.begin(), kNames.end(), plain) == kNames.end())
     return {};

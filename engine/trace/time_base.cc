@@ -9,6 +9,8 @@
 #include <limits>
 #include <optional>
 
+#include "base/text.h"
+
 namespace dynoproof::trace {
 namespace {
 
@@ -268,10 +270,10 @@ std::vector<std::string> TimeBase::Notes(const std::string& name) const {
     notes.push_back(fmt::format(
         "{}: {} events: rows at one instant, the first value holds up to there, the last from there on", name, events));
   if (uniform() && dropped > 0)
-    notes.push_back(fmt::format(
-        "{}: {} rows are missing of {} in {} places, the longest gap {:.4g} s behind {:.6g} s; an input keeps "
-        "its course over them as between any two samples",
-        name, dropped, time_s.size() + dropped, gaps, longest_gap_s, longest_gap_at_s));
+    notes.push_back(
+        fmt::format("{}: {} rows are missing of {} in {}, the longest gap {:.4g} s behind {:.6g} s; an input keeps "
+                    "its course over them as between any two samples",
+                    name, dropped, time_s.size() + dropped, Counted(gaps, "place"), longest_gap_s, longest_gap_at_s));
   if (!uniform() && time_s.size() > 2) {
     notes.push_back(fmt::format(
         "{}: its steps are not equal: usually {:.6g} s, off by up to {:.3g} s; each sample counts at its own "

@@ -223,7 +223,7 @@ TEST_F(DiagnosedData, FaultsBehindAMapAreStillFaults) {
   EXPECT_EQ(check.exit, 2) << check.Both();
   EXPECT_THAT(check.Both(), HasSubstr("gap"));
   EXPECT_THAT(check.Both(),
-              HasSubstr("200 rows are missing of 6001 in 1 gaps, the longest 0.02 s at 0.4999 s (row 5000)"));
+              HasSubstr("200 rows are missing of 6001 in 1 gap, the longest 0.02 s at 0.4999 s (row 5000)"));
 }
 
 /// MAT files from outside; what is in them otherwise is the reader's own test.

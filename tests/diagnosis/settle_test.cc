@@ -29,7 +29,8 @@ struct Left {
   double own = 0.0;
   double held_out = 0.0;  // excess on data that took no part, over that of the given plan
   bool on_bound = false;
-  double off = 0.0;  // standard deviations of a nominal value from its prior
+  double off = 0.0;             // standard deviations of a nominal value from its prior
+  bool at_noise_there = false;  // on data that took no part
 };
 
 class SettleTest : public ::testing::Test {
@@ -63,8 +64,8 @@ class SettleTest : public ::testing::Test {
     return estimate;
   }
 
-  /// The null leaves the whole course, or this share of it.
-  Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0) const {
+  /// The null leaves the whole course, or this share of it; the same on data that took no part.
+  Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0, double null_held_out = 1.0) const {
     Contest contest;
     contest.released = false;
     std::vector<HeldOut> held_out;
@@ -77,11 +78,11 @@ class SettleTest : public ::testing::Test {
         contestant.levels.back().q[contestant.levels.back().q.size() - 1] = left.off;
         least[level] = std::min(least[level], std::log(std::max(left.held_out, 1e-9)));
       }
-      held_out.emplace_back(levels_->size(), std::log(std::max(left.held_out, 1e-9)));
+      held_out.emplace_back(levels_->size(), LeftThere{std::log(std::max(left.held_out, 1e-9)), left.at_noise_there});
       contest.contestants.push_back(std::move(contestant));
     };
     const estimation::Hypothesis base = estimation::Hypothesis(plan_).WithNominalValuesFree(testing::BuiltIns());
-    add(base, {"", "", null, 0.0, 1.0}, 0);
+    add(base, {"", "", null, 0.0, null_held_out}, 0);
     int stream = 1;
     for (const Left& one : candidates)
       add(base.With(*testing::BuiltIns().FindEffect(one.effect), *ParsePlace(one.at), Magnitudes{}), one, stream++);
@@ -134,6 +135,25 @@ TEST_F(SettleTest, AnExactModelBesideASmallShareOfItsOwnIsNoCause) {
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.048, 0.0, 0.9}}, 0.05);
   EXPECT_NE(settled.verdict, Conclusion::kEffectFound) << settled.reason;
   EXPECT_TRUE(settled.causes.empty());
+}
+
+/// Friction is not seen where the body that rubs stands still: such data cannot speak against it.
+TEST_F(SettleTest, DataThatTookNoPartAndShowNothingDoNotRefuteACause) {
+  Left cause = kTruth;
+  cause.held_out = 1.0;
+  EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kUnexplained)
+      << "something is left there, and it takes nothing of it";
+  cause.at_noise_there = true;
+  EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kEffectFound);
+}
+
+/// Both take nearly all of what the plan as given leaves there; of the little that is left a tenth more or less says nothing.
+TEST_F(SettleTest, DataThatTookNoPartAndSuitTheNullAsWellDoNotRefuteACause) {
+  Left cause = kTruth;
+  cause.held_out = 0.011;
+  EXPECT_EQ(SettledOf({cause, kFar}, 1.0, 0.01).verdict, Conclusion::kEffectFound);
+  cause.held_out = 0.11;
+  EXPECT_EQ(SettledOf({cause, kFar}, 1.0, 0.01).verdict, Conclusion::kUnexplained) << "that is worse";
 }
 
 TEST_F(SettleTest, ANumberOnItsBoundNamesNothing) {

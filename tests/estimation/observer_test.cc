@@ -116,7 +116,7 @@ TEST(Hypothesis, TheStartOfARecordIsAParameter) {
   Plan moving = plan;
   moving.root["plant"]["initial_speed_rad_per_s"] = Value(3.0);
   EXPECT_TRUE(Hypothesis(plan).WithStartFree(0, testing::BuiltIns()).parameters().empty()) << "none in the plan";
-  plan.root["start_of_record"]["0"]["plant"]["initial_speed_rad_per_s"] = Value(2.5);
+  plan.root["of_record"]["0"]["start"]["plant"]["initial_speed_rad_per_s"] = Value(2.5);
   const Hypothesis hypothesis = Hypothesis(plan).WithStartFree(0, testing::BuiltIns());
   ASSERT_EQ(hypothesis.parameters().size(), 1u);
   const DataSet data({RecordOf(moving, 0.01, {"T_shaft", "omega_1"})}, plan);

@@ -81,6 +81,49 @@ TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
   EXPECT_EQ(free_run, 0);
 }
 
+/// Two records of one machine, whose friction has grown by a fifth between them: no single number explains both.
+TEST(CorrectedFit, ANumberThatDiffersFromRecordToRecordHasItsValueInEach) {
+  const auto with = [](double friction) {
+    Plan plan = testing::OneMass(2.0,
+                                 Value{{"type", "sine_sum"},
+                                       {"amplitudes", Value::Array{30.0, 10.0}},
+                                       {"frequencies_Hz", Value::Array{1.3, 9.0}},
+                                       {"phases_rad", Value::Array{0.0, 1.0}}},
+                                 2.0);
+    plan.root["plant"]["load"]["friction"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", friction}};
+    return plan;
+  };
+  std::vector<MappedRecord> records;
+  for (const double friction : {4.0, 4.8}) {
+    records.push_back(RecordOf(with(friction), 0.002, {"w"}));
+    records.back().file = "bench_" + std::to_string(records.size()) + ".csv";
+  }
+  Plan nominal = with(3.0);
+  *nominal.root.FindPath("plant.inertia.I") = Value(2.2);
+  const IdentifyOptions options = {{{"plant.inertia.I", std::nullopt}, {"plant.load.friction.T_c_Nm", std::nullopt}},
+                                   IdentifyMethod::kCorrected};
+  const Result<Identified> one = Identify(nominal, records, testing::BuiltIns(), options);
+  ASSERT_TRUE(one.ok()) << one.failure().ToString();
+  EXPECT_TRUE(one->of_records.empty());
+  nominal.root["prior"]["plant.load.friction.T_c_Nm"] = Value{{"spread", "20 %"}, {"per_record", true}};
+  const Result<Identified> each = Identify(nominal, records, testing::BuiltIns(), options);
+  ASSERT_TRUE(each.ok()) << each.failure().ToString();
+  ASSERT_EQ(each->of_records.size(), 2U);
+  EXPECT_LT(each->nrmse_after, 0.1 * one->nrmse_after);
+  EXPECT_NEAR(each->values[0].value, 2.0, 0.002);
+  const double common = each->values[1].value;
+  EXPECT_NEAR(common, std::sqrt(4.0 * 4.8), 0.05) << "the prior holds both alike";
+  for (const ValueOfRecord& of : each->of_records) {
+    const double truth = of.record == 0 ? 4.0 : 4.8;
+    EXPECT_NEAR(common * of.factor, truth, 0.01) << of.file;
+    EXPECT_EQ(of.file, of.record == 0 ? "bench_1.csv" : "bench_2.csv");
+    EXPECT_LT(of.interval.first, truth / std::sqrt(4.0 * 4.8));
+    EXPECT_GT(of.interval.second, truth / std::sqrt(4.0 * 4.8));
+  }
+  const std::string table = ToTable(*each);
+  EXPECT_NE(table.find("plant.load.friction.T_c_Nm in bench_2.csv"), std::string::npos) << table;
+}
+
 /// Dry friction and a mass, both unknown, of a model that knows nothing of a drag beside them.
 TEST(SlowCorrectedFit, OfAnInexactModelTellsHowMuchIsUnknown) {
   Plan truth = testing::OneMass(2.0,

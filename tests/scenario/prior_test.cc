@@ -58,6 +58,30 @@ TEST(Prior, TablesSayTheSameAsKeysWithDots) {
   EXPECT_DOUBLE_EQ(Of(plan, "plant.inertia.I2").spread, 0.03);
 }
 
+TEST(Prior, OfANumberThatDiffersFromRecordToRecordIsOnTheDifference) {
+  const Plan plan = LineWith(Value{{"plant.inertia.I1", Value{{"spread", "5 %"}, {"per_record", true}}},
+                                   {"plant.inertia.I2", Value{{"spread", "3 %"}}}});
+  EXPECT_EQ(FaultsOf(plan), "");
+  const std::vector<NumberThatDiffers> differ = NumbersThatDiffer(plan);
+  ASSERT_EQ(differ.size(), 1U);
+  EXPECT_EQ(differ[0].path, "plant.inertia.I1");
+  EXPECT_DOUBLE_EQ(differ[0].spread, 0.05);
+  EXPECT_DOUBLE_EQ(Of(plan, "plant.inertia.I1").spread, 0.01) << "of the common value the plant's own stands";
+  EXPECT_FALSE(PriorIsStated(plan, "plant.inertia.I1"));
+  EXPECT_DOUBLE_EQ(Of(plan, "plant.inertia.I2").spread, 0.03);
+}
+
+TEST(Prior, OfADifferenceIsAShare) {
+  for (const char* spread : {"free", "fitted", ""})
+    EXPECT_THAT(FaultsOf(LineWith(Value{{"plant.inertia.I1", Value{{"spread", spread}, {"per_record", true}}}})),
+                HasSubstr("how much \"plant.inertia.I1\" differs from record to record is not said"))
+        << spread;
+  EXPECT_THAT(FaultsOf(LineWith(Value{{"plant.inertia.I1", Value{{"spread", "5 %"}, {"per_record", 1}}}})),
+              HasSubstr("neither true nor false"));
+  EXPECT_THAT(FaultsOf(LineWith(Value{{"plant.inertia.I1", Value{{"spread", "5 %"}, {"each", true}}}})),
+              HasSubstr("unknown key \"each\""));
+}
+
 TEST(Prior, NamesEveryFault) {
   EXPECT_THAT(FaultsOf(LineWith(Value{{"plant.inertia.I7", "2 %"}})),
               HasSubstr("there is no number \"plant.inertia.I7\""));
