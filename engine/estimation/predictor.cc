@@ -57,16 +57,6 @@ struct Course {
   }
 };
 
-/// Where the prediction of a row of the data set stands.
-struct Row {
-  Index index;
-  std::size_t output;
-  Instant at;
-  bool on_tick = false;  // its stamp: then what the sensor had seen last is compared
-
-  double In(const Course& course) const { return on_tick ? course.seen[at.tick] : course.At(at); }
-};
-
 /// A record's value at an instant near its sample i: the cubic through the four samples around it; the straight line beside a
 /// gap; beyond the ends the sample itself.
 double ValueNear(const Series& measured, std::size_t i, double time_s) {
@@ -229,23 +219,22 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
     corrections = observer ? std::make_unique<Corrections>(*observer, run, taken) : nullptr;
   };
   correct_by(lead != leads_.end() ? lead->observer : observer_);
-  std::vector<Row> rows;
-  for (const Channel& channel : data_->channels()) {
-    if (channel.record != r) continue;
-    const auto j = static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
-    for (Index i = channel.begin; i < channel.begin + channel.count; ++i) {
-      const double time_s = data_->time_s()[static_cast<std::size_t>(i)];
-      Row row{i, j, Instant(time_s, period_s, courses[j].ends.size())};
-      row.on_tick = !(row.at.share > 0.0);
-      // A delayed sample would have been corrected by what it is compared with: the delay is counted when they are compared.
-      if (!free_run() && row.on_tick)
-        row.at.tick -= std::min(row.at.tick, static_cast<std::size_t>(sensors[j].late()));
-      else if (!free_run())
-        row.at = Instant(time_s - sensors[j].chain().delay_s(), period_s, courses[j].ends.size());
-      rows.push_back(row);
+  // Rows are told one after the other: a list of them would be larger than the courses.
+  const auto for_each_row = [&](const auto& tell) {
+    for (const Channel& channel : data_->channels()) {
+      if (channel.record != r) continue;
+      const auto j =
+          static_cast<std::size_t>(std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin());
+      for (Index i = channel.begin; i < channel.begin + channel.count; ++i)
+        tell(i, j, data_->time_s()[static_cast<std::size_t>(i)]);
     }
+  };
+  bool between = false;
+  if (!free_run() || !leads_.empty()) {
+    for_each_row([&](Index, std::size_t j, double time_s) {
+      between = between || Instant(time_s, period_s, courses[j].ends.size()).share > 0.0;
+    });
   }
-  const bool between = !std::ranges::all_of(rows, &Row::on_tick);
   std::vector<double> errors(count);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const auto k = static_cast<std::size_t>(step);
@@ -271,7 +260,17 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
     }
     if (Status failed = simulation.Integrate()) return failed;
   }
-  for (const Row& row : rows) innovations[row.index] = data_->measured()[row.index] - row.In(courses[row.output]);
+  for_each_row([&](Index i, std::size_t j, double time_s) {
+    const Course& course = courses[j];
+    Instant at(time_s, period_s, course.ends.size());
+    const bool on_tick = !(at.share > 0.0);  // then what the sensor had seen last is compared
+    // A delayed sample would have been corrected by what it is compared with: the delay is counted when they are compared.
+    if (!free_run() && on_tick)
+      at.tick -= std::min(at.tick, static_cast<std::size_t>(sensors[j].late()));
+    else if (!free_run())
+      at = Instant(time_s - sensors[j].chain().delay_s(), period_s, course.ends.size());
+    innovations[i] = data_->measured()[i] - (on_tick ? course.seen[at.tick] : course.At(at));
+  });
   return {};
 }
 

@@ -50,6 +50,7 @@ double SensorChain::SlopeAt(const Frame& frame, double time_s) const {
 }
 
 double LagInverse::operator()(double sample, double since_s) {
+  if (lag_s_ == 0.0) return sample;
   const double kept = begun_ ? KeptOver(since_s, lag_s_) : 0.0, last = last_;
   begun_ = true;
   last_ = sample;
