@@ -49,6 +49,14 @@ def readers():
             f"of {bits} bits turned in MAT files and traces, one at a time, {wrong} gave other values", "tests/README.md#damaged-files")
 
 
+def kills():
+    rows = [[int(cell) for cell in re.findall(r"\| (\d+)(?= \|)", row)] for row in block.read("tests/README.md", "kills")[2:]]
+    points, at_random, broken = (sum(row[k] for row in rows) for k in (1, 2, 3))
+    return ("Is anything lost when it is killed, or the disk is full?",
+            f"{len(rows)} commands that write were ended, or failed, at {points} of their calls that change files, and killed {at_random} "
+            f"times at random: {broken} times something was lost or half there", "tests/README.md#kills-and-full-disks")
+
+
 def claims():
     line = "\n".join(block.read("tests/README.md", "claims"))
     total, same, assumed, derived, against = (only(pattern, line, "tests/README.md") for pattern in (
@@ -76,7 +84,7 @@ def diagnosis():
 def main(options):
     rows = ["| question | what was tried, and what came out |", "|---|---|"]
     rows += [f"| {question} | {answer} ([all]({page})) |"
-             for question, answer, page in (comparison(), mutants(), readers(), claims(), diagnosis())]
+             for question, answer, page in (comparison(), mutants(), readers(), kills(), claims(), diagnosis())]
     if options == ["--write"]:
         block.write(PAGE, "trust", rows)
     elif options:

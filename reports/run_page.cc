@@ -156,6 +156,17 @@ void RunPage::Add(const Prepared& prepared, const Course& course, const Scenario
   parts_[result.id] = std::move(part);
 }
 
+std::optional<RunPage::Part> RunPage::PartOf(const std::string& id) const {
+  const auto found = parts_.find(id);
+  return found == parts_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void RunPage::Put(const std::string& id, Part part) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  bytes_ += part.pictures.size();
+  parts_[id] = std::move(part);
+}
+
 std::string RunPage::Finish(const std::vector<ScenarioResult>& results) const {
   const std::vector<const ScenarioResult*> sorted = WorstFirst(results);
   std::map<std::string, int> counts;

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,14 @@ class RunPage {
   /// The page over all results; those never added (broken runs) have their reason instead of pictures.
   std::string Finish(const std::vector<ScenarioResult>& results) const;
 
- private:
+  /// What the page has of one scenario, where it was made in another process.
   struct Part {
     std::string source, pictures, settings, counters;
   };
+  std::optional<Part> PartOf(const std::string& id) const;
+  void Put(const std::string& id, Part part);
+
+ private:
   const std::size_t scenarios_;
   std::mutex mutex_;
   std::size_t bytes_ = 0;              // of pictures so far

@@ -189,8 +189,13 @@ int Bless(const BlessArguments& arguments) {
                     "[[check]]\nkind = \"golden\"\n",
                     prepared->plan.id));
   }
-  const std::filesystem::path out =
-      std::filesystem::temp_directory_path() / fmt::format("dynoproof-bless-{}", getpid());
+  std::string pattern = (std::filesystem::temp_directory_path() / "dynoproof-bless-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    Complain(fmt::format("cannot make a folder in {}: {}\n", std::filesystem::temp_directory_path().string(),
+                         std::generic_category().message(errno)));
+    return kBroken;
+  }
+  const std::filesystem::path out = pattern;
   RunOptions options;
   options.out = out.string();
   const ScenarioResult result = RunScenario(*prepared, options);

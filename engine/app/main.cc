@@ -1,8 +1,10 @@
 // dynoproof: is this simulation right, is it fast enough for 10 kHz, and if it disagrees with the measurement, why?
 #include <fmt/format.h>
 #include <glog/logging.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -24,7 +26,15 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer("More: dynoproof COMMAND --help");
   std::signal(SIGPIPE, SIG_IGN);           // a closed pipe is a failed write, not a death without a word
+  std::signal(SIGXFSZ, SIG_IGN);           // a file as large as it may be is a failed write, too
   FLAGS_minloglevel = google::GLOG_FATAL;  // what Ceres meets on its way is no message to a user
+  // A plugin may end the program with exit(0), as if all were said.
+  static bool answered = false;
+  std::atexit([] {
+    if (answered) return;
+    app::Complain("the program was ended before it had an answer, by a plugin or a library\n");
+    _exit(app::kBroken);
+  });
   int exit = app::kGood;
   app::AddRun(program, exit);
   app::AddModes(program, exit);
@@ -49,7 +59,7 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are asked for; a table of them is no document.
-    if (error.get_exit_code() == 0) return program.exit(error);
+    if (error.get_exit_code() == 0) return answered = true, program.exit(error);
     exit = app::Report(app::UsageFaults(program, error));
   } catch (const std::bad_alloc&) {
     app::Complain("out of memory\n");
@@ -57,6 +67,11 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     app::Complain(fmt::format("unexpected: {}\n", error.what()));
     exit = app::kBroken;
+  } catch (...) {  // a plugin may throw what it likes
+    app::Complain("unexpected: an exception that is none of the standard library's\n");
+    exit = app::kBroken;
   }
-  return app::FinishJson(app::JsonFile(argc, argv), exit);
+  exit = app::FinishJson(app::JsonFile(argc, argv), exit);
+  answered = true;
+  return exit;
 }

@@ -5,10 +5,12 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
+#include "app/apart.h"
 #include "app/app.h"
 #include "app/interruption.h"
 #include "app/measured.h"
@@ -32,6 +34,7 @@ struct RunArguments {
   std::vector<std::string> names, overrides;
   std::string solver, out = "out", golden, junit, markdown, html, data, map, today;
   int jobs = 1;
+  RunLimits limits;
 };
 
 /// The command that runs this scenario again, as a shell takes it.
@@ -113,30 +116,57 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
     const std::lock_guard<std::mutex> lock(screen);
     return WhatIsDone(scenarios, results, arguments);
   });
-  ParallelFor(scenarios.size(), static_cast<unsigned>(arguments.jobs), [&](std::size_t i) {
+  const auto tell = [&](std::size_t i, double fraction) {
+    const std::lock_guard<std::mutex> lock(screen);
+    ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
+                 (static_cast<double>(done.load()) + fraction) / static_cast<double>(scenarios.size()));
+  };
+  const auto make = [&](std::size_t i, bool progress) {
     RunOptions options;
     options.out = arguments.out;
     options.data = data;
     options.today = arguments.today;
-    options.progress = [&, i](double fraction) {
-      const std::lock_guard<std::mutex> lock(screen);
-      ShowProgress(fmt::format("{} of {} done, now {}", done.load(), scenarios.size(), scenarios[i]->plan.id),
-                   (static_cast<double>(done.load()) + fraction) / static_cast<double>(scenarios.size()));
-      return true;
-    };
+    if (progress) options.progress = [&, i](double fraction) { return tell(i, fraction), true; };
     if (!arguments.html.empty()) {
       options.seen = [&, i](const Course& course, const ScenarioResult& result) {
         page.Add(*scenarios[i], course, result);
       };
     }
     ScenarioResult result;
+    std::string thrown;  // out of memory, or a fault of a plugin: the others go on
     try {
-      result = RunScenario(*scenarios[i], options);
-    } catch (const std::exception& error) {  // out of memory, or a fault of a plugin: the others go on
-      result.id = scenarios[i]->plan.id;
-      result.verdict = score::Verdict::kBroken;
-      result.broken = error.what();
+      return RunScenario(*scenarios[i], options);
+    } catch (const std::bad_alloc&) {
+      thrown = "out of memory";
+    } catch (const std::exception& error) {
+      thrown = error.what();
+    } catch (...) {
+      thrown = "an exception that is none of the standard library's";
     }
+    result.id = scenarios[i]->plan.id;
+    result.verdict = score::Verdict::kBroken;
+    result.broken = std::move(thrown);
+    return result;
+  };
+  // What strangers wrote may crash, hang or end the program: it does so in a process of its own.
+  const bool strangers = !scenarios.empty() && !scenarios.front()->registry->libraries().empty();
+  if (strangers || arguments.limits.most_seconds > 0.0 || arguments.limits.most_memory_MB > 0.0) {
+    std::vector<ScenarioResult> all = RunApart(
+        scenarios.size(), arguments.jobs, arguments.limits, page, [&](std::size_t i) { return scenarios[i]->plan.id; },
+        [&](std::size_t i) { return make(i, false); },
+        [&](std::size_t i, const ScenarioResult& result) {
+          {
+            const std::lock_guard<std::mutex> lock(screen);
+            results[i] = result;
+            ++done;
+          }
+          tell(i, 0.0);
+        });
+    ClearProgress();
+    return all;
+  }
+  ParallelFor(scenarios.size(), static_cast<unsigned>(arguments.jobs), [&](std::size_t i) {
+    ScenarioResult result = make(i, true);
     const std::lock_guard<std::mutex> lock(screen);
     results[i] = std::move(result);
     ++done;
@@ -251,6 +281,10 @@ void AddRun(CLI::App& program, int& exit) {
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
   command->add_option("--jobs", arguments->jobs, "scenarios at a time")->check(CLI::Range(1, 1024));
+  command->add_option("--most-seconds", arguments->limits.most_seconds, "a scenario that takes longer is broken")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--most-memory", arguments->limits.most_memory_MB, "MB: a scenario that asks for more is broken")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--out", arguments->out, "folder of traces (default out)");
   command->add_option("--golden", arguments->golden,
                       "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");

@@ -2,12 +2,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -90,9 +92,25 @@ Status WriteToDevice(const fs::path& path, std::span<const std::byte> bytes) {
   return {};
 }
 
-}  // namespace
+/// Removes temporary files of this target whose writer is gone: a killed one lets go of its lock. Those of the last minute stay,
+/// for a writer makes its file before it locks it.
+void SweepLeftBehind(const fs::path& folder, const std::string& before) {
+  constexpr time_t kYoung_s = 60;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(before) || !name.ends_with(".part")) continue;
+    const Descriptor fd(::open(it->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    struct stat status {};
+    if (fd.get() < 0 || ::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    if (::time(nullptr) - status.st_mtime < kYoung_s || ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) continue;
+    ::unlink(it->path().c_str());
+  }
+}
 
-Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+enum class Existing { kReplaced, kStays };
+
+Status WriteWhole(const fs::path& path, std::span<const std::byte> bytes, Existing existing) {
   std::error_code error;
   if (!path.has_filename()) return Broken(path, "cannot write", EISDIR);
   const fs::file_status status = fs::status(path, error);
@@ -110,13 +128,15 @@ Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> byte
     return Broken(path, fmt::format("cannot create the folder \"{}\"", folder.string()), error.value());
   }
 
-  // The process id keeps programs apart, the counter threads; O_EXCL settles what is left, such as two containers that
-  // share a folder and count their processes alike.
-  static std::atomic<unsigned> counter{0};
+  // Nobody can guess the name and put something else there; O_EXCL would see it.
+  const std::string before = fmt::format(".{}.", target.filename().string().substr(0, 200));
+  SweepLeftBehind(folder, before);
   std::string name;
   int fd = -1;
-  for (int attempt = 0; attempt < 1000 && fd < 0; ++attempt) {
-    name = fmt::format(".{}.{}-{}.part", target.filename().string().substr(0, 200), ::getpid(), counter.fetch_add(1));
+  for (int attempt = 0; attempt < 100 && fd < 0; ++attempt) {
+    std::uint64_t random = 0;
+    if (::getentropy(&random, sizeof random) != 0) return Broken(path, "cannot draw a random name", errno);
+    name = fmt::format("{}{:016x}.part", before, random);
     fd = ::open((folder / name).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0 && errno != EEXIST) {
       return Broken(path, fmt::format("cannot create a file in \"{}\"", folder.string()), errno);
@@ -126,13 +146,32 @@ Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> byte
 
   TemporaryFile temporary(folder / name);
   Descriptor file(fd);
+  ::flock(fd, LOCK_EX | LOCK_NB);  // held while its writer lives; a file system without locks has none swept
   const std::string what = fmt::format("cannot write {} bytes", bytes.size());
   if (const int failed = WriteAll(file.get(), bytes)) return Broken(path, what, failed);
   if (::fsync(file.get()) != 0) return Broken(path, what, errno);
+  ::futimens(file.get(), nullptr);  // young once more, for who sweeps between the lock and the rename
+  // Not by closing it: a process that was forked meanwhile has the file open, too, and no reader may find it locked.
+  ::flock(file.get(), LOCK_UN);
   if (const int failed = file.Close()) return Broken(path, what, failed);
+  if (existing == Existing::kStays) {
+    if (::link(temporary.path().c_str(), target.c_str()) != 0 && errno != EEXIST)
+      return Broken(path, "cannot link to", errno);
+    return SynchroniseFolder(folder, path);
+  }
   if (::rename(temporary.path().c_str(), target.c_str()) != 0) return Broken(path, "cannot rename to", errno);
   temporary.Release();
   return SynchroniseFolder(folder, path);
+}
+
+}  // namespace
+
+Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+  return WriteWhole(path, bytes, Existing::kReplaced);
+}
+
+Status CreateFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+  return WriteWhole(path, bytes, Existing::kStays);
 }
 
 Status WriteFileAtomically(const fs::path& path, std::string_view text) {

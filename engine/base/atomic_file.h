@@ -20,8 +20,11 @@ namespace dynoproof {
 ///
 /// Failure (exit code 3, `signal` = the path): the folder cannot be made or written, the disk is full, the path is a
 /// folder. The temporary file is removed then, and what was under `path` is untouched. Only a killed process leaves
-/// one behind, named `.<name>.<pid>-<n>.part`.
+/// one behind, named `.<name>.<random>.part`; the next one that writes `path` a minute later removes it.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+/// The same where nothing stands under `path` yet; what stands there, or comes meanwhile, stays.
+Status CreateFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 /// The same for text.
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);

@@ -99,14 +99,18 @@ std::string RowStore::FileOf(const char* kind, Range range, const char* ending) 
 Status RowStore::Write(std::span<const Row> rows, std::span<const Cost> costs) const {
   if (rows.empty()) return {};
   const Range range{rows.front().run, rows.back().run + 1};
-  std::string text =
-      JsonText(json{{"campaign", fingerprint_}, {"cpu", CpuFeatureClass()}, {"runs", rows.size()}}) + "\n";
+  std::string lines;
   std::string prices = "run,wall_s,cpu_s,peak_MB\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    text += ToLine(rows[i]) + "\n";
+    lines += ToLine(rows[i]) + "\n";
     prices += fmt::format("{},{:.6f},{:.6f},{:.1f}\n", rows[i].run, costs[i].wall_s, costs[i].cpu_s, costs[i].peak_MB);
   }
   if (Status failed = WriteFileAtomically(FileOf("costs", range, "csv"), prices)) return failed;
+  const std::string text = JsonText(json{{"campaign", fingerprint_},
+                                         {"cpu", CpuFeatureClass()},
+                                         {"runs", rows.size()},
+                                         {"fingerprint", Fingerprint(lines)}}) +
+                           "\n" + lines;
   return WriteFileAtomically(FileOf("rows", range, "jsonl"), text);  // last: the piece is there from now on
 }
 
@@ -154,6 +158,10 @@ Result<Rows> RowStore::Merge() const {
     if (!header.is_object() || !header.value("cpu", json()).is_string())
       return Bad(file, "is damaged: it has no header");
     if (header.value("campaign", json()) != fingerprint_) return OfAnother(file);
+    // Files of an earlier version have none.
+    if (header.contains("fingerprint") &&
+        header["fingerprint"] != Fingerprint(std::string_view(*text).substr(line.size() + 1)))
+      return Bad(file, "holds other rows than were written: somebody changed it");
     classes.push_back(header["cpu"].get<std::string>());
     from.push_back(file);
     std::int64_t next = range.begin;

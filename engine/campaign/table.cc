@@ -16,6 +16,8 @@ namespace hdf5 = trace::hdf5;
 
 std::string Quoted(const std::string& text) {
   std::string out = "\"";
+  // A spreadsheet takes such a cell for a formula, quoted or not.
+  if (text.find_first_of("=+-@\t") == 0) out += '\'';
   for (const char c : text) {
     if (c == '"') out += '"';
     out += c == '\n' || c == '\r' ? ' ' : c;

@@ -107,6 +107,28 @@ void AllowOtherSolver(double distance, const std::string& own, const std::string
                         other, distance, own);
 }
 
+/// Where a trace is written before its tolerance file names it.
+std::string NextTrace(const GoldenPlace& place) {
+  const fs::path trace = place.trace;
+  return (trace.parent_path() / ("." + trace.filename().string() + ".next")).string();
+}
+
+/// The trace that the tolerance file was written for. `bless` writes the trace under another name, then the tolerance file, whose
+/// rename decides, and renames the trace last: where it was killed between the two, the other name holds it.
+std::string TraceFor(const GoldenPlace& place, const GoldenTolerances& tolerances) {
+  std::error_code error;
+  const std::string next = NextTrace(place);
+  const bool pending = !tolerances.trace_sha256.empty() && fs::exists(next, error) &&
+                       tolerances.trace_sha256 != HashOf(place.trace) && tolerances.trace_sha256 == HashOf(next);
+  return pending ? next : place.trace;
+}
+
+/// The same, where the tolerance file can be read.
+std::string TraceOf(const GoldenPlace& place) {
+  const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
+  return tolerances.ok() ? TraceFor(place, *tolerances) : place.trace;
+}
+
 }  // namespace
 
 SignalTolerances GoldenTolerances::For(const std::string& solver) const {
@@ -191,7 +213,8 @@ bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_f
 }
 
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run) {
-  const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
+  const std::string trace_file = TraceOf(place);
+  const Result<trace::Trace> golden = trace::ReadTrace(trace_file);
   if (!golden.ok()) {
     return {NotCompared("golden", "tube",
                         fmt::format("{}; if this run is right: {}", golden.failure().ToString(), place.bless))};
@@ -201,7 +224,7 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan
   const std::string solver = run.provenance.Text("solver").value_or("");
   const SignalTolerances widths = tolerances->For(solver);
   std::vector<score::Check> checks = CompareLengthAndCost(tolerances->run, run);
-  if (!tolerances->trace_sha256.empty() && tolerances->trace_sha256 != HashOf(place.trace)) {
+  if (!tolerances->trace_sha256.empty() && tolerances->trace_sha256 != HashOf(trace_file)) {
     checks.push_back(NotCompared(
         "golden trace", "tube",
         fmt::format("{} is not the trace that its tolerance file was written for (SHA-256 differs): take both "
@@ -229,7 +252,7 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan
 }
 
 std::optional<Value> BlessedScenario(const GoldenPlace& place) {
-  const Result<trace::Trace> golden = trace::ReadTrace(place.trace);
+  const Result<trace::Trace> golden = trace::ReadTrace(TraceOf(place));
   return golden.ok() ? FromToml(golden->scenario) : std::nullopt;
 }
 
@@ -244,12 +267,13 @@ std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Pla
 Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,
                                const std::string& kept) {
   std::error_code error;
-  const bool itself = fs::equivalent(kept, place.trace, error);  // the traces go to the golden file's own folder
+  const std::string trace = TraceOf(place);
+  const bool itself = fs::equivalent(kept, trace, error);  // the traces go to the golden file's own folder
   if (!itself) fs::remove(kept, error);
-  if (!fell_short || !fs::exists(place.trace, error)) return std::string();
+  if (!fell_short || !fs::exists(trace, error)) return std::string();
   if (!itself) {
-    const std::optional<std::string> bytes = ReadTextFile(place.trace);
-    if (!bytes) return Failure{"cannot be read", place.trace};
+    const std::optional<std::string> bytes = ReadTextFile(trace);
+    if (!bytes) return Failure{"cannot be read", trace};
     if (Status failed = WriteFileAtomically(kept, *bytes)) return *failed;
   }
   return fmt::format("this run: {0}, the golden one: {1}; dynoproof compare {1} {0} --tolerance {2}", trace_file, kept,
@@ -261,10 +285,11 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
   const Result<GoldenTolerances> old = ReadTolerances(place.tolerances);
   // Somebody's tolerances and reasons stand in a faulty file: they are not to be replaced by defaults.
   if (std::error_code error; !old.ok() && fs::exists(place.tolerances, error)) return old.failure();
-  if (Status failed = trace::WriteTrace(place.trace, Thin(run), {.deflate_level = 9})) return failed;
+  const std::string next = NextTrace(place);
+  if (Status failed = trace::WriteTrace(next, Thin(run), {.deflate_level = 9})) return failed;
   Value root;
   root["reason"] = Value(golden.reason);
-  root["trace_sha256"] = Value(HashOf(place.trace));
+  root["trace_sha256"] = Value(HashOf(next));
   Value::Array checks;
   for (const std::string& check : golden.checks) checks.push_back(Value(check));
   root["checks"] = Value(checks);
@@ -289,7 +314,13 @@ Status WriteGolden(const GoldenPlace& place, const GoldenRun& golden) {
     table["other_solver_width"] = Value(of.other_solver_width);
     table["other_solver_origin"] = Value(of.other_solver_origin);
   }
-  return WriteFileAtomically(place.tolerances, ToToml(root));
+  if (Status failed = WriteFileAtomically(place.tolerances, ToToml(root))) return failed;
+  std::error_code error;
+  fs::rename(next, place.trace, error);
+  if (error)
+    return Failure{fmt::format("cannot rename {} to it: {}; until then the former is taken", next, error.message()),
+                   place.trace};
+  return {};
 }
 
 std::vector<score::Check> GoldenCheck::Run(CheckContext& context) const {

@@ -105,6 +105,19 @@ trace::Provenance BuildProvenance() {
   return provenance;
 }
 
+namespace {
+
+/// "soft_stop.so sha256 3f2a..., ...": shared libraries whose code may be in a run; empty where there are none.
+std::string LibrariesOf(const Registry& registry) {
+  std::string text;
+  for (const std::string& file : registry.libraries())
+    text += fmt::format("{}{} sha256 {}", text.empty() ? "" : ", ", std::filesystem::path(file).filename().string(),
+                        HashOf(file));
+  return text;
+}
+
+}  // namespace
+
 trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
   trace::Trace trace;
   trace.time = samples.time;
@@ -124,6 +137,8 @@ trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
   trace.provenance = BuildProvenance();
   trace.provenance.Set("solver", rig.run.solver);
   trace.provenance.Set("solver_summary", samples.solver_summary);
+  if (const std::string plugins = LibrariesOf(*prepared.registry); !plugins.empty())
+    trace.provenance.Set("plugins", plugins);
   trace.provenance.SetCounter("seed", rig.run.seed);
   for (const auto& [name, count] : samples.counters) trace.provenance.SetCounter("solver_" + name, count);
   return trace;

@@ -9,21 +9,26 @@
 #include <filesystem>
 #include <iomanip>
 #include <map>
+#include <span>
 #include <sstream>
 
+#include "base/atomic_file.h"
 #include "base/units.h"
 
 namespace dynoproof::history {
 namespace {
 
+// One transaction: a history that was begun and not finished is none, and the next call begins it.
 constexpr const char* kSchema = R"(
+  BEGIN IMMEDIATE;
+  PRAGMA application_id = 1146703952;
   CREATE TABLE IF NOT EXISTS night (
     id INTEGER PRIMARY KEY, time TEXT NOT NULL, commit_id TEXT NOT NULL, machine TEXT NOT NULL,
     UNIQUE (time, commit_id, machine));
   CREATE TABLE IF NOT EXISTS reading (
     night INTEGER NOT NULL REFERENCES night, series TEXT NOT NULL, value REAL, unit TEXT NOT NULL,
     scatters INTEGER NOT NULL, sense INTEGER NOT NULL, relevant REAL NOT NULL, PRIMARY KEY (night, series)) WITHOUT ROWID;
-  PRAGMA application_id = 1146703952;
+  COMMIT;
 )";
 
 /// A prepared statement; texts and numbers are bound from 1 on.
@@ -144,10 +149,35 @@ Failure Store::Wrong(const std::string& what, int exit_code) const {
   return {.message = what + ": " + sqlite3_errmsg(database_.get()), .signal = file_, .exit_code = exit_code};
 }
 
+namespace {
+
+/// Makes a history without nights, whole or not at all: what SQLite itself makes is an empty file at first.
+Status Create(const std::string& file) {
+  sqlite3* memory = nullptr;
+  if (sqlite3_open_v2(":memory:", &memory, SQLITE_OPEN_READWRITE, nullptr) != SQLITE_OK || !Execute(memory, kSchema)) {
+    Failure failure{.message = fmt::format("cannot be begun: {}", sqlite3_errmsg(memory)), .signal = file};
+    sqlite3_close(memory);
+    return failure;
+  }
+  sqlite3_int64 size = 0;
+  unsigned char* image = sqlite3_serialize(memory, "main", &size, 0);
+  const Status failed =
+      image == nullptr ? Status(Failure{.message = "cannot be begun: out of memory", .signal = file})
+                       : CreateFileAtomically(file, std::as_bytes(std::span(image, static_cast<std::size_t>(size))));
+  sqlite3_free(image);
+  sqlite3_close(memory);
+  return failed;
+}
+
+}  // namespace
+
 Result<Store> Store::Open(const std::string& file, bool create) {
   if (!create && !std::filesystem::exists(file)) {
     return Failure{
         .message = "there is no history here; begin one with `dynoproof history add`", .signal = file, .exit_code = 2};
+  }
+  if (create && !std::filesystem::exists(file)) {
+    if (Status failed = Create(file)) return *failed;
   }
   Store store;
   store.file_ = file;
@@ -160,13 +190,27 @@ Result<Store> Store::Open(const std::string& file, bool create) {
   {
     Statement kind(database, "PRAGMA application_id");
     Statement tables(database, "SELECT count(*) FROM sqlite_master");
+    // Those of a history whose beginning an earlier version was killed in: its tables came first, one by one.
+    Statement own(database, "SELECT count(*) FROM sqlite_master WHERE tbl_name IN ('night', 'reading')");
     kind.Step();
-    if (!tables.Step()) return store.Wrong("is no history", 2);
-    if (tables.IntegerAt(0) > 0 && kind.IntegerAt(0) != 1146703952) {
+    if (!tables.Step() || !own.Step()) return store.Wrong("is no history", 2);
+    const bool begun = kind.IntegerAt(0) == 0 && own.IntegerAt(0) == tables.IntegerAt(0);
+    if (tables.IntegerAt(0) > 0 && kind.IntegerAt(0) != 1146703952 && !begun) {
       return Failure{.message = "is a database of something else", .signal = file, .exit_code = 2};
     }
   }
-  if (create && !Execute(database, kSchema)) return store.Wrong("cannot be written");
+  {
+    Statement sound(database, "PRAGMA quick_check(1)");
+    if (!sound.Step()) return store.Wrong("is no history", 2);
+    if (sound.TextAt(0) != "ok")
+      return Failure{
+          .message = "is damaged: " + sound.TextAt(0) + "; take it from a copy", .signal = file, .exit_code = 2};
+  }
+  if (create && !Execute(database, kSchema)) {
+    Failure failure = store.Wrong("cannot be written");
+    Execute(database, "ROLLBACK");
+    return failure;
+  }
   return store;
 }
 
@@ -215,6 +259,15 @@ Result<Night> Store::AddNight(Night night, const std::vector<Reading>& readings)
 }
 
 Result<History> Store::Read(const std::string& machine) const {
+  sqlite3* database = database_.get();
+  // Nights and readings of one moment, whoever adds to them meanwhile.
+  if (!Execute(database, "BEGIN")) return Wrong("cannot be read");
+  Result<History> history = ReadNow(machine);
+  Execute(database, "ROLLBACK");
+  return history;
+}
+
+Result<History> Store::ReadNow(const std::string& machine) const {
   sqlite3* database = database_.get();
   std::string wanted = machine;
   if (wanted.empty()) {

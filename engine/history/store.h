@@ -51,6 +51,7 @@ class Store {
   Result<History> Read(const std::string& machine) const;
 
  private:
+  Result<History> ReadNow(const std::string& machine) const;
   struct Closer {
     void operator()(sqlite3* database) const;
   };

@@ -2,9 +2,11 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <sstream>
 
@@ -19,12 +21,19 @@ Status LoadPlugin(const std::string& file, Registry& registry) {
   // dlopen searches the system's folders for a bare name; a plugin is a file that the user named.
   std::error_code error;
   const std::string path = fs::absolute(file, error).string();
+  for (const std::string& loaded : registry.libraries()) {
+    if (fs::equivalent(loaded, path, error)) return {};  // named twice, or by --plugin and the path of plugins
+  }
   void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return refuse(fmt::format("cannot be loaded: {}", dlerror()));
   const auto* entry = static_cast<const PluginEntry*>(dlsym(library, "dynoproof_plugin"));
   if (entry == nullptr) {
     dlclose(library);
     return refuse("is no dynoproof plugin: it exports no dynoproof_plugin (use the macro DYNOPROOF_PLUGIN)");
+  }
+  if (entry->stamp == nullptr || entry->register_all == nullptr) {
+    dlclose(library);
+    return refuse("is no dynoproof plugin: its dynoproof_plugin is empty (use the macro DYNOPROOF_PLUGIN)");
   }
   if (std::string_view(entry->stamp) != DYNOPROOF_ABI_STAMP) {
     const std::string theirs = entry->stamp;
@@ -33,7 +42,16 @@ Status LoadPlugin(const std::string& file, Registry& registry) {
         fmt::format("was built against another dynoproof or compiler; build it again\n  plugin:  {}\n  program: {}",
                     theirs, DYNOPROOF_ABI_STAMP));
   }
-  entry->register_all(registry);
+  registry.BeginLibrary(path);
+  try {
+    entry->register_all(registry);
+  } catch (const std::exception& thrown) {
+    return refuse(fmt::format("fails while it registers: {}", thrown.what()));
+  } catch (...) {
+    return refuse("fails while it registers, by an exception that is none of the standard library's");
+  }
+  if (!registry.clashes().empty())
+    return refuse(fmt::format("{}; give it a name of its own", fmt::join(registry.clashes(), "; ")));
   return {};
 }
 

@@ -31,7 +31,8 @@ struct PluginEntry {
   static void DynoproofRegister(::dynoproof::Registry& registry)
 
 /// Loads a library and registers its plugins. The library stays loaded until the program ends. Failure (exit code 2):
-/// cannot be loaded, exports no dynoproof_plugin, or has another stamp.
+/// cannot be loaded, exports no dynoproof_plugin, has another stamp, or wants a name that is taken. A library that is loaded
+/// already is not loaded again.
 Status LoadPlugin(const std::string& file, Registry& registry);
 
 /// The files to load: those given, then every .so in the folders (or each file) of $DYNOPROOF_PLUGIN_PATH, separated by

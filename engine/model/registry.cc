@@ -18,8 +18,21 @@ void UnknownPlugin(const SourceSpan& where, const std::string& kind, const std::
 
 }  // namespace
 
+void Registry::BeginLibrary(const std::string& file) {
+  libraries_.push_back(file);
+  clashes_.clear();
+}
+
+bool Registry::Claim(const std::string& kind, const std::string& name) {
+  const std::string own = libraries_.empty() ? "dynoproof itself" : libraries_.back();
+  const auto [owner, free] = owners_.insert({{kind, name}, own});
+  if (!free) clashes_.push_back(fmt::format("{} \"{}\" is there already, from {}", kind, name, owner->second));
+  return free;
+}
+
 void Registry::Add(std::unique_ptr<Effect> effect) {
   std::string name = effect->info().name;
+  if (!Claim("effect", name)) return;
   effect->plants_ = plants_;
   effects_[std::move(name)] = std::move(effect);
 }

@@ -68,6 +68,7 @@ class Registry {
   template <class P>
   void Add() {
     PluginInfo info = P::Info();
+    if (!Claim(info.kind, info.name)) return;
     info.parameters = ListParams<typename P::Params>();
     const auto make = [](const Value& table, BuildContext& context) -> std::unique_ptr<P> {
       typename P::Params params;
@@ -97,8 +98,16 @@ class Registry {
   /// Registers a kind of check C, a CheckPlan; experiment/check.h says what it declares.
   template <class C>
   void AddCheck() {
-    checks_[C::kName] = C::template KindOf<C>();
+    if (Claim("check", C::kName)) checks_[C::kName] = C::template KindOf<C>();
   }
+
+  /// What is registered from here on is of this shared library. A name that is taken stays what it was: to replace a law behind the
+  /// back of a scenario would change its physics without a word.
+  void BeginLibrary(const std::string& file);
+  /// "law \"spring_damper\" is there already, from dynoproof itself": one for each name that BeginLibrary()'s wanted again.
+  const std::vector<std::string>& clashes() const { return clashes_; }
+  /// Shared libraries that have registered something, in order.
+  const std::vector<std::string>& libraries() const { return libraries_; }
 
   /// Builds from a table whose key `type` names the plugin; faults become diagnostics and null.
   std::unique_ptr<Component> MakeComponent(const std::string& kind, const Value& table, BuildContext& context) const;
@@ -116,6 +125,11 @@ class Registry {
 
  private:
   using Key = std::pair<std::string, std::string>;  // kind, name
+  /// Whether nobody has that name yet; else a clash.
+  bool Claim(const std::string& kind, const std::string& name);
+
+  std::map<Key, std::string> owners_;
+  std::vector<std::string> libraries_, clashes_;
   std::map<Key, PluginInfo> plugins_;
   std::map<Key, Factory<Component>> components_;
   std::map<std::string, Factory<Law>> laws_;

@@ -1,11 +1,16 @@
 // A source that does what broken plugins do, so that a campaign can be seen to survive it: stumble = 0 nothing, 1 ends
-// the process as a failed assertion does, 2 reads where nothing is, 3 throws, 4 gives no number, 5 never comes back.
+// the process as a failed assertion does, 2 reads where nothing is, 3 throws, 4 gives no number, 5 never comes back, 6 throws
+// what is no exception, 7 ends the program as if all were well.
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
 
 #include "model/plugin_loader.h"
+
+#ifndef DYNOPROOF_STUMBLE
+#define DYNOPROOF_STUMBLE "stumble"  // another name: that of a source that is there already
+#endif
 
 namespace {
 
@@ -20,7 +25,7 @@ class Stumble : public Component {
       v.Optional("at_s", at_s, NonNegative(), "when");
     }
   };
-  static PluginInfo Info() { return {"source", "stumble", "goes wrong", "", "", {}}; }
+  static PluginInfo Info() { return {"source", DYNOPROOF_STUMBLE, "goes wrong", "", "", {}}; }
   explicit Stumble(const Params& params) : p_(params) { layout_.outputs = {{"value", "1", "", 1.0}}; }
 
   void Output(const View& view, std::span<double> outputs) const override {
@@ -41,6 +46,10 @@ class Stumble : public Component {
         for (volatile bool again = true; again;) {
         }
         return;
+      case 6:
+        throw 42;
+      case 7:
+        std::exit(0);
       default:
         return;
     }
