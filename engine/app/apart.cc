@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "app/app.h"
+#include "base/process.h"
 #include "base/within.h"
 #include "score/evidence.h"
 
@@ -181,14 +182,12 @@ std::vector<ScenarioResult> RunApart(std::size_t count, int jobs, const RunLimit
         page.Put(result.id, {part->at(0), part->at(1), part->at(2), part->at(3)});
       return take(child.index, std::move(result));
     }
-    const int signal = WIFSIGNALED(state) ? WTERMSIG(state) : 0;
+    const int exit = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
     take(child.index,
-         Broken(id(child.index), child.too_long ? fmt::format("took longer than {:g} s", limits.most_seconds)
-                                 : signal != 0  ? fmt::format("crashed: signal {} ({})", signal, strsignal(signal))
-                                 : WEXITSTATUS(state) == kNoMemory ? "ran out of memory"
-                                 : WEXITSTATUS(state) == kEnded
-                                     ? "ended the program before it had a result"
-                                     : fmt::format("ended the program with exit code {}", WEXITSTATUS(state))));
+         Broken(id(child.index), child.too_long      ? fmt::format("took longer than {:g} s", limits.most_seconds)
+                                 : exit == kNoMemory ? "ran out of memory"
+                                 : exit == kEnded    ? "ended the program before it had a result"
+                                                     : HowItEnded(state)));
   };
   for (std::size_t next = 0; next < count || !children.empty();) {
     while (next < count && std::ssize(children) < std::max(1, jobs)) begin(next++);

@@ -21,7 +21,8 @@ struct MeasuredCase {
   std::string own_fault;                    // why there is none although it does
 };
 
-/// Loads scenario and records, of each the parts between gaps in which nobody knows the inputs; one map serves all records, or each its own (first those of --data, then --holdout).
+/// Loads scenario and records, of each the parts between gaps in which nobody knows the inputs; one map serves all records, or
+/// each its own (first those of --data, then --holdout).
 /// Every fault goes to `diagnostics`.
 std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std::vector<std::string>& data,
                                          const std::vector<std::string>& maps, const std::vector<std::string>& holdout,

@@ -13,6 +13,11 @@ extern char** environ;
 
 namespace dynoproof {
 
+std::string HowItEnded(int state) {
+  if (!WIFSIGNALED(state)) return fmt::format("ended the program with exit code {}", WEXITSTATUS(state));
+  return fmt::format("crashed: signal {} ({})", WTERMSIG(state), strsignal(WTERMSIG(state)));
+}
+
 ProgramEnd RunProgram(std::vector<std::string> words, ErrorLines errors) {
   ProgramEnd end;
   int ends[2];

@@ -17,6 +17,7 @@
 #include <limits>
 #include <new>
 
+#include "base/process.h"
 #include "base/within.h"
 
 namespace dynoproof::campaign {
@@ -246,9 +247,7 @@ class Workers {
     } else if (worker.too_long || !from_outside || ++worker.kills > kMostKills) {
       Row row{worker.next(), score::Verdict::kBroken, {}, ""};
       row.figures.assign(campaign_.subject->figures().size(), std::numeric_limits<double>::quiet_NaN());
-      row.why = worker.too_long ? fmt::format("took longer than {} s", campaign_.most_seconds)
-                : signal != 0   ? fmt::format("crashed: signal {} ({})", signal, strsignal(signal))
-                                : fmt::format("ended the program with exit code {}", WEXITSTATUS(state));
+      row.why = worker.too_long ? fmt::format("took longer than {} s", campaign_.most_seconds) : HowItEnded(state);
       worker.too_long = false;
       Add(worker, std::move(row), {SecondsSince(worker.last), 0.0, 0.0});
       if (worker.next() == worker.piece.end) return Store(worker);

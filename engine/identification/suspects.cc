@@ -22,6 +22,17 @@ constexpr double kAccounted = 0.5;  // NRMSE: a quarter of the squares is left
 constexpr double kSure = 0.1;       // NRMSE: a hundredth of the squares
 constexpr double kClearly = 0.5;    // of the distance that was
 
+/// Factors by which people mistake units.
+struct Cause {
+  double factor;
+  const char* text;
+};
+constexpr std::array<Cause, 5> kCauses = {{{1000.0, "a prefix: kilo or milli"},
+                                           {60.0, "minutes and seconds"},
+                                           {9.5493, "1/min and rad/s"},
+                                           {57.2958, "degrees and radians"},
+                                           {6.2832, "turns and radians (Hz and rad/s)"}}};
+
 Series Scaled(const Series& series, double factor) {
   std::vector<double> values = *series.values;
   for (double& value : values) value *= factor;
@@ -80,16 +91,7 @@ std::string TextOfFactor(const std::string& names, double factor, const std::str
 }  // namespace
 
 std::optional<std::string> CauseOfFactor(double factor, const std::string& unit) {
-  struct Cause {
-    double factor;
-    const char* text;
-  };
   const bool turns = unit == "1" || unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
-  static constexpr std::array<Cause, 5> kCauses = {{{1000.0, "a prefix: kilo or milli"},
-                                                    {60.0, "minutes and seconds"},
-                                                    {9.5493, "1/min and rad/s"},
-                                                    {57.2958, "degrees and radians"},
-                                                    {6.2832, "turns and radians (Hz and rad/s)"}}};
   for (const Cause& cause : kCauses) {
     if (!turns && cause.factor < 1000.0) continue;
     for (const double f : {cause.factor, 1.0 / cause.factor}) {
@@ -150,86 +152,101 @@ Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const 
   return suspects;
 }
 
-std::vector<Suspect> MisreadingsOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
-  constexpr double kNear = 0.2, kThird = 1.0 / 3.0, kSame = 1.2;
-  static constexpr std::array<double, 5> kFactors = {1000.0, 60.0, 9.5493, 57.2958, 6.2832};
-  std::vector<Suspect> found;
-  const auto distance = [&](const MappedRecord& as) {
-    const Result<std::optional<estimation::HorizonLevel>> level = estimation::ShortestLevelOf(plan, as, registry);
-    return level.ok() && *level ? (*level)->GeometricMean() : std::numeric_limits<double>::infinity();
+namespace {
+
+/// One way to read a record otherwise.
+struct Reading {
+  std::string kind, column, text;
+  std::function<void(MappedRecord&)> read;
+};
+
+const Value* Stated(const Plan& plan, const MappedRecord& record, const std::string& name) {
+  return plan.root.FindPath((record.inputs.contains(name) ? "input." : "output.") + name);
+}
+
+std::function<void(MappedRecord&)> Scaling(const std::vector<std::string>& names, double factor) {
+  return [names, factor](MappedRecord& as) {
+    for (const std::string& name : names) *Find(as, name) = Scaled(*Find(as, name), factor);
   };
-  const double given = distance(record);
-  if (record.outputs.empty() || given < kNear) return found;
-  std::vector<std::string> inputs, outputs, all;
-  std::map<std::string, std::vector<std::string>> of_unit;
+}
+
+/// The ways that MisreadingsOf() tries.
+std::vector<Reading> ReadingsOf(const Plan& plan, const MappedRecord& record) {
+  std::vector<std::string> inputs, all;
   for (const auto& [name, series] : record.inputs) inputs.push_back(name);
-  for (const auto& [name, series] : record.outputs) outputs.push_back(name);
   all = inputs;
-  all.insert(all.end(), outputs.begin(), outputs.end());
-  const auto stated = [&](const std::string& name) {
-    return plan.root.FindPath((record.inputs.contains(name) ? "input." : "output.") + name);
-  };
-  for (const std::string& name : all) of_unit[stated(name)->TextOr("unit", "1")].push_back(name);
-  // How far signals are from their nominal values, in powers of ten.
-  const auto unusual = [&](MappedRecord& as) {
-    double sum = 0.0;
-    for (const std::string& name : all) {
-      const double size = score::Largest(*Find(as, name)->values);
-      sum += size > 0.0 ? std::abs(std::log10(size / stated(name)->NumberOr("nominal", 1.0))) : 0.0;
-    }
-    return sum;
-  };
-  struct Reading {
-    Suspect suspect;
-    double unusual;
-  };
-  std::vector<Reading> readings;
-  MappedRecord as_given = record;
-  const double usual = unusual(as_given);
-  const auto consider = [&](const char* kind, const std::string& column, const std::string& text,
-                            const std::function<void(MappedRecord&)>& read) {
-    MappedRecord as = record;
-    read(as);
-    const double now = unusual(as);
-    if (std::string_view(kind) == "unit" && !(now < usual)) return;
-    if (const double after = distance(as); after < kThird * given)
-      readings.push_back({{text, after, true, {as}, kind, column}, now});
-  };
-  const auto scale = [](const std::vector<std::string>& names, double factor) {
-    return [&names, factor](MappedRecord& as) {
-      for (const std::string& name : names) *Find(as, name) = Scaled(*Find(as, name), factor);
-    };
-  };
-  std::vector<std::vector<std::string>> groups;
+  for (const auto& [name, series] : record.outputs) all.push_back(name);
+  std::map<std::string, std::vector<std::string>> of_unit;
+  for (const std::string& name : all) of_unit[Stated(plan, record, name)->TextOr("unit", "1")].push_back(name);
+  std::vector<std::vector<std::string>> groups;  // that share a sign, or a unit
   if (!inputs.empty()) groups.push_back(inputs);
-  for (const std::string& name : outputs) groups.push_back({name});
+  for (const auto& [name, series] : record.outputs) groups.push_back({name});
+  std::vector<Reading> readings;
   for (const std::vector<std::string>& names : groups)
-    consider("sign", names.front(), fmt::format("{} with the other sign", fmt::join(names, ", ")), scale(names, -1.0));
+    readings.push_back(
+        {"sign", names.front(), fmt::format("{} with the other sign", fmt::join(names, ", ")), Scaling(names, -1.0)});
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = std::max(i + 1, inputs.size()); k < all.size(); ++k)
-      consider("swapped", all[k], fmt::format("{} and {} exchanged", all[i], all[k]),
-               [&](MappedRecord& as) { Exchange(as, all[i], all[k]); });
+      readings.push_back({"swapped", all[k], fmt::format("{} and {} exchanged", all[i], all[k]),
+                          [a = all[i], b = all[k]](MappedRecord& as) { Exchange(as, a, b); }});
   }
   for (const auto& [unit, names] : of_unit) {
     if (names.size() > 1) groups.push_back(names);
   }
   for (const std::vector<std::string>& names : groups) {
-    const std::string unit = stated(names.front())->TextOr("unit", "1");
-    for (const double known : kFactors) {
-      for (const double factor : {known, 1.0 / known}) {
+    const std::string unit = Stated(plan, record, names.front())->TextOr("unit", "1");
+    for (const Cause& known : kCauses) {
+      for (const double factor : {known.factor, 1.0 / known.factor}) {
         if (CauseOfFactor(factor, unit))
-          consider("unit", names.front(), TextOfFactor(fmt::format("{}", fmt::join(names, ", ")), factor, unit),
-                   scale(names, factor));
+          readings.push_back({"unit", names.front(),
+                              TextOfFactor(fmt::format("{}", fmt::join(names, ", ")), factor, unit),
+                              Scaling(names, factor)});
       }
     }
   }
-  if (readings.empty()) return found;
-  std::ranges::sort(readings, {}, [](const Reading& one) { return one.suspect.nrmse; });
-  const auto end = std::ranges::find_if(
-      readings, [&](const Reading& one) { return one.suspect.nrmse > kSame * readings.front().suspect.nrmse; });
-  std::stable_sort(readings.begin(), end, [](const Reading& a, const Reading& b) { return a.unusual < b.unusual; });
-  for (auto one = readings.begin(); one != end; ++one) found.push_back(std::move(one->suspect));
-  return found;
+  return readings;
+}
+
+/// How far signals are from their nominal values, in powers of ten.
+double UnusualnessOf(const Plan& plan, const MappedRecord& record) {
+  double sum = 0.0;
+  for (const auto* signals : {&record.inputs, &record.outputs}) {
+    for (const auto& [name, series] : *signals) {
+      const double size = score::Largest(*series.values);
+      if (size > 0.0) sum += std::abs(std::log10(size / Stated(plan, record, name)->NumberOr("nominal", 1.0)));
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Suspect> MisreadingsOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
+  constexpr double kNear = 0.2, kThird = 1.0 / 3.0, kSame = 1.2;
+  if (record.outputs.empty()) return {};
+  const auto distance = [&](const MappedRecord& as) {
+    const Result<std::optional<estimation::HorizonLevel>> level = estimation::ShortestLevelOf(plan, as, registry);
+    return level.ok() && *level ? (*level)->GeometricMean() : std::numeric_limits<double>::infinity();
+  };
+  const double given = distance(record), usual = UnusualnessOf(plan, record);
+  if (given < kNear) return {};
+  std::vector<std::pair<double, Suspect>> found;  // with how unusual its values are
+  for (const Reading& reading : ReadingsOf(plan, record)) {
+    MappedRecord as = record;
+    reading.read(as);
+    const double now = UnusualnessOf(plan, as);
+    if (reading.kind == "unit" && !(now < usual))
+      continue;  // a unit that takes signals farther from what is usual is none
+    if (const double after = distance(as); after < kThird * given)
+      found.emplace_back(now, Suspect{reading.text, after, true, {as}, reading.kind, reading.column});
+  }
+  std::ranges::sort(found, {}, [](const auto& one) { return one.second.nrmse; });
+  const auto far = [&](const auto& one) { return one.second.nrmse > kSame * found.front().second.nrmse; };
+  found.erase(std::ranges::find_if(found, far), found.end());
+  std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
+  std::vector<Suspect> suspects;
+  for (auto& [unusual, suspect] : found) suspects.push_back(std::move(suspect));
+  return suspects;
 }
 
 double LargestCorrelation(const EstimationProblem& problem, const Plan& plan) {

@@ -3,7 +3,8 @@
 //   DYNOPROOF_DIE_ON=rename          SIGKILL at the first call of that name
 //   DYNOPROOF_POINT=7                at the seventh of all calls that change files: SIGKILL, or
 //   DYNOPROOF_POINT_ERROR=28         that call fails with this errno
-//   DYNOPROOF_POINT_COUNT=FILE       how many such calls a process has made, appended as it ends
+//   DYNOPROOF_ALLOCATION=7           the seventh allocation by malloc() fails
+//   DYNOPROOF_POINT_COUNT=FILE       how many such calls and allocations a process has made, appended as it ends
 //
 // Other programs that inherit the library, as git, are left alone; so are the standard streams.
 #include <dlfcn.h>
@@ -22,7 +23,8 @@
 namespace {
 
 int calls = 0;
-pid_t counts = 0;  // the process whose calls these are
+long allocations = 0;  // of the process and what it was forked from: all threads count, and a lost count does no harm
+pid_t counts = 0;      // the process whose calls these are
 
 bool Ours() {
   static const bool ours = [] {
@@ -52,8 +54,8 @@ bool Fails(const char* call) {
 __attribute__((destructor)) void Tell() {
   const char* file = getenv("DYNOPROOF_POINT_COUNT");
   if (file == nullptr || !Ours() || counts != getpid()) return;
-  char text[32];
-  const int length = snprintf(text, sizeof text, "%d\n", calls);
+  char text[64];
+  const int length = snprintf(text, sizeof text, "%d %ld\n", calls, allocations);
   const int to = static_cast<int>(syscall(SYS_openat, AT_FDCWD, file, O_WRONLY | O_CREAT | O_APPEND, 0600));
   syscall(SYS_write, to, text, length);
   syscall(SYS_close, to);
@@ -69,6 +71,20 @@ constexpr int kChanges = O_CREAT | O_TRUNC | O_WRONLY | O_RDWR | O_APPEND;
 }  // namespace
 
 extern "C" {
+
+void* __libc_malloc(size_t size);  // what malloc() is in glibc; dlsym() would allocate
+
+void* malloc(size_t size) {
+  static const long fails = [] {
+    const char* text = getenv("DYNOPROOF_ALLOCATION");
+    return text != nullptr ? atol(text) : 0;
+  }();
+  if (++allocations == fails && Ours()) {
+    errno = ENOMEM;
+    return nullptr;
+  }
+  return __libc_malloc(size);
+}
 
 #define DYNOPROOF_OPEN(name)                                               \
   int name(const char* path, int flags, ...) {                             \

@@ -306,7 +306,7 @@ class FieldRecords(Steps):
         said = self.shell(f"dynoproof identify line.toml --data {record} --free {KEYS}", exit=0)
         self.assertIn("200 rows are missing of 600", said.stderr)
         self.assertIn("part from 0.35 to 0.599 s, a record of its own", said.stderr)
-        self.truth(self.identified(record), 1e-3)
+        self.truth(self.identified(record), 2e-3)  # beside a gap the window of the interpolation has samples on one side alone
 
     def test_a_gain_is_no_shift(self):
         """A held input with a wrong gain stays held: the two causes give one misfit, and are told apart."""

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every command that writes is ended, and failed, at each of its calls that change files, and killed at random instants: nothing
-is lost, nothing is half there under a final name, and the next call works.
+"""Every command that writes is ended, and failed, at each of its calls that change files, has allocations fail, and is killed at
+random instants: nothing is lost, nothing is half there under a final name, and the next call works.
 
 kill_points_test.py PROGRAM PRELOAD [--every N] [--kills N] [--json FILE]
 kill_points_test.py . . --write tests/kill_points.json        the table in tests/README.md
@@ -21,6 +21,8 @@ import sys
 import tempfile
 import time
 import xml.etree.ElementTree
+
+ALLOCATIONS = 40  # of a command's that fail, evenly over all
 
 CAMPAIGN = """title = "Points"
 scenario = "line.toml"
@@ -171,7 +173,8 @@ class Harness:
         preload = {"LD_PRELOAD": str(self.options.preload)}
         shell(folder, case.command, {**self.environment, **preload, "DYNOPROOF_POINT_COUNT": str(count)})
         length, whole = time.monotonic() - began, files(folder)
-        points = max(int(line) for line in count.read_text().split())
+        counted = [[int(word) for word in line.split()] for line in count.read_text().splitlines()]
+        points, allocations = (max(one[k] for one in counted) for k in (0, 1))
         ways = {"killed": {}, "disk full": {"DYNOPROOF_POINT_ERROR": str(errno.ENOSPC)},
                 "i/o error": {"DYNOPROOF_POINT_ERROR": str(errno.EIO)}}
         tried = 0
@@ -181,6 +184,12 @@ class Harness:
                 done = shell(folder, case.command, {**self.environment, **preload, **more, "DYNOPROOF_POINT": str(point)}, check=False)
                 tried += 1
                 self.look(case, folder, before, whole, f"{way} at call {point}", done.returncode)
+        for k in range(0, ALLOCATIONS, self.options.every):
+            folder = self.copy(made)
+            point = 1 + k * allocations // ALLOCATIONS
+            done = shell(folder, case.command, {**self.environment, **preload, "DYNOPROOF_ALLOCATION": str(point)}, check=False)
+            tried += 1
+            self.look(case, folder, before, whole, f"no memory at allocation {point}", done.returncode)
         # The largest file that it may write is a block: SIGXFSZ is a failed write, not a death.
         folder = self.copy(made)
         done = shell(folder, f"ulimit -f 1; {case.command}", self.environment, check=False)
@@ -210,6 +219,22 @@ def table(tried):
     return rows
 
 
+def history_together(harness):
+    """A history that is shown while nights come: `show` sees whole nights."""
+    folder = harness.folder(Case("", "", before=["dynoproof run line.toml --json r.json", "dynoproof history add r.json --db h.sqlite"]))
+    adding = subprocess.Popen(["bash", "-c", "for i in $(seq 40); do dynoproof history add r.json --db h.sqlite || exit 1; done"],
+                              cwd=folder, env=harness.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    shown = 0
+    while adding.poll() is None:
+        done = shell(folder, "dynoproof history show --db h.sqlite", harness.environment, check=False)
+        shown += 1
+        if done.returncode != 0:
+            harness.failures.append(f"history show beside history add: {done.returncode} {done.stderr}")
+    if adding.returncode != 0:
+        harness.failures.append(f"history add beside history show: {adding.stderr.read()}")
+    print(f"{'history show beside add':26} {shown:4} times", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=lambda text: pathlib.Path(text).resolve())
@@ -229,6 +254,8 @@ def main():
         for case in CASES:
             if harness.options.only in case.name:
                 harness.run(case)
+        if not harness.options.only:
+            history_together(harness)
     finally:
         shutil.rmtree(harness.root, ignore_errors=True)
     if harness.options.json:
