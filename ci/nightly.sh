@@ -26,6 +26,7 @@ step gcc-fma suite build-fma "-DCMAKE_CXX_FLAGS=-mfma -DCMAKE_CXX_FLAGS_RELEASE=
 command -v clang++ >/dev/null && step clang suite build-clang "-DCMAKE_CXX_COMPILER=clang++"
 command -v clang++ >/dev/null && step fuzz ./ci/fuzz.sh 450  # an hour over the eight readers
 step bit-flips env DYNOPROOF_BIT_FLIPS=all ./build/tests/trace_test --gtest_filter='BitFlips.*'
+step kills ./tests/acceptance/kill_points_test.py build/dynoproof build/tests/libdie_on.so --kills 300 --json out/nightly/kill_points.json
 step tidy ./ci/presubmit.sh --all
 DYNOPROOF_COVERAGE=out/nightly/coverage.json step coverage ./ci/coverage.sh
 step run ./build/dynoproof run --out out/nightly --json out/nightly/run.json --junit out/nightly/junit.xml --html out/nightly/report.html

@@ -16,7 +16,7 @@ using estimation::LinearModel;
 using estimation::Predictor;
 
 Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
-                                           const Registry& registry, double compared_from_s, Index most_rows,
+                                           const Registry& registry, double compared_from, Index most_rows,
                                            const Levels* like, double most_s) {
   std::unique_ptr<Levels> levels(new Levels());
   const DataSet whole(records, plan);
@@ -25,11 +25,14 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   levels->model_ = *model;
   const double duration_s = std::min(whole.records().front().end_s, most_s);
   const double memory_s = estimation::MemoryFor(*model, duration_s);
-  double from_s = compared_from_s;
+  // Records differ in length: what a run is led in by ends with the shortest.
+  const double shortest_s = std::ranges::min_element(whole.records(), {}, &MappedRecord::end_s)->end_s;
+  double from_s = compared_from * shortest_s;
   const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
   if (!(from_s > 0.0) && in_motion) from_s = estimation::LeadInOf(policy::kLonger * memory_s, duration_s);
   levels->data_ = std::make_unique<DataSet>(
-      records, plan, DataSet::Options{.from_s = from_s, .most_s = most_s, .most_rows = most_rows});
+      records, plan,
+      DataSet::Options{.from_s = from_s, .most_s = most_s, .from_share = compared_from, .most_rows = most_rows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   const std::optional<double> window_s = PredictionWindow(plan);
   if (like != nullptr) {

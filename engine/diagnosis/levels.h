@@ -15,11 +15,11 @@ namespace dynoproof::diagnosis {
 /// scenario says that motion is chaotic (prediction_window_s), a memory as long as it can be predicted.
 class Levels {
  public:
-  /// `compared_from_s`: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
+  /// `compared_from`, a share of each record: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
   /// record in motion from where its start has been forgotten. Fails where the plan cannot be run.
   /// `like`: with the same memories as these, not those that suit the records. `most_s`: of each record.
   static Result<std::unique_ptr<Levels>> Of(const Plan& plan, const std::vector<MappedRecord>& records,
-                                            const Registry& registry, double compared_from_s, Eigen::Index most_rows,
+                                            const Registry& registry, double compared_from, Eigen::Index most_rows,
                                             const Levels* like = nullptr, double most_s = 1e300);
 
   const estimation::DataSet& data() const { return *data_; }

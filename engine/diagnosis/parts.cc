@@ -83,8 +83,8 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
       }
     }
   }
-  const double from_s = holdout.empty() ? kFittedShare * data.front().end_s : 0.0;
-  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from_s, kRows, training->get());
+  const double from = holdout.empty() ? kFittedShare : 0.0;
+  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from, kRows, training->get());
   if (!held.ok()) return held.failure();
   return Parts{*std::move(training), *std::move(held)};
 }

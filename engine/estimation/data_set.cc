@@ -35,7 +35,8 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
     }
     for (const auto& [name, series] : record.outputs) {
       const std::vector<double>&t = *series.time, &y = *series.values;
-      const auto first = std::lower_bound(t.begin(), t.end(), options.from_s) - t.begin();
+      const double from_s = std::max(options.from_s, options.from_share * record.end_s);
+      const auto first = std::lower_bound(t.begin(), t.end(), from_s) - t.begin();
       Eigen::Index every = 1;
       while ((std::ssize(t) - first) / every > options.most_rows) ++every;
       Channel channel;

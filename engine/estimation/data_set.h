@@ -26,6 +26,7 @@ class DataSet {
   /// each record, and `from_s` of it at the earliest.
   struct Options {
     double from_s = 0.0, most_s = 1e300;
+    double from_share = 0.0;                 // of the length of each record, at the earliest
     Eigen::Index most_rows = 1'000'000'000;  // of a channel: every other row goes until no more are left
   };
   DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options);

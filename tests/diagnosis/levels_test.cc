@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/parts.h"
+#include "identification/estimation_problem.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -35,6 +36,23 @@ TEST(Levels, OfAPlantWithoutStatesAreTheFreeRunAlone) {
   ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
   EXPECT_EQ((*levels)->size(), 1u);
   EXPECT_EQ((*levels)->Name(0), "free run");
+}
+
+/// What judges begins in each record behind the share of it that models are fitted to, however long the others are.
+TEST(Levels, OfRecordsOfDifferentLengthCompareTheSameShareOfEach) {
+  const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
+  std::vector<MappedRecord> records(2, RecordOf(plan, 0.01, {"T_shaft"}));
+  identification::CutRecord(records[0], 0.4);
+  const auto levels = Levels::Of(plan, records, testing::BuiltIns(), kFittedShare, 10'000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const estimation::DataSet& data = (*levels)->data();
+  ASSERT_EQ(data.channels().size(), 2U);
+  for (const estimation::Channel& channel : data.channels()) {
+    const double end_s = records[channel.record].end_s;
+    ASSERT_GT(channel.count, 0);
+    EXPECT_NEAR(data.time_s()[static_cast<std::size_t>(channel.begin)], kFittedShare * end_s, 2e-4);
+    EXPECT_NEAR(data.time_s()[static_cast<std::size_t>(channel.begin + channel.count - 1)], end_s, 2e-4);
+  }
 }
 
 /// Substeps in which a scenario is searched beside its own run.
