@@ -36,6 +36,8 @@ std::vector<SignalName> Names(const Lines& lines) {
 }  // namespace
 
 std::string HashOf(const std::string& file) {
+  // A pipe that nobody writes to, and a device, have no end.
+  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return "";
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return "";
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);

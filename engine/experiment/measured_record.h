@@ -40,7 +40,7 @@ struct RecordSettings {
   }
 };
 
-/// SHA-256 of a file, hexadecimal; empty when it cannot be read.
+/// SHA-256 of a file, hexadecimal; empty when it cannot be read, or is no file but a pipe, a device or a folder.
 std::string HashOf(const std::string& file);
 
 /// The plan's [record]; faults (outputs that do not exist, no hash) become diagnostics.
