@@ -1,4 +1,4 @@
-// What a fit pays for one look at a record: a plan is built and run beside 14 000 rows of the soft rotor (70 masses), free and
+// The time of one simulation of a fit: the plan is built and run beside 14 000 rows of the soft rotor (70 masses), free and
 // corrected. Counter `per_row`: time of a row; `built`: time of building alone is its own benchmark, as is a single correction.
 #include <benchmark/benchmark.h>
 

@@ -128,15 +128,15 @@ struct Child {
   _exit(kGood);
 }
 
-ScenarioResult Broken(std::string id, std::string why) {
+}  // namespace
+
+ScenarioResult BrokenResult(std::string id, std::string why) {
   ScenarioResult result;
   result.id = std::move(id);
   result.verdict = score::Verdict::kBroken;
   result.broken = std::move(why);
   return result;
 }
-
-}  // namespace
 
 std::vector<ScenarioResult> RunApart(std::size_t count, int jobs, const RunLimits& limits, reports::RunPage& page,
                                      const std::function<std::string(std::size_t)>& id,
@@ -152,7 +152,7 @@ std::vector<ScenarioResult> RunApart(std::size_t count, int jobs, const RunLimit
     std::fflush(nullptr);  // or a child that ends by exit() would write it once more
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
-      return take(i, Broken(id(i), fmt::format("no pipe to its process: {}", std::strerror(errno))));
+      return take(i, BrokenResult(id(i), fmt::format("no pipe to its process: {}", std::strerror(errno))));
     const pid_t process = fork();
     if (process == 0) {
       close(ends[0]);
@@ -168,7 +168,7 @@ std::vector<ScenarioResult> RunApart(std::size_t count, int jobs, const RunLimit
       return;
     }
     close(ends[0]);
-    take(i, Broken(id(i), fmt::format("no process for it: {}", std::strerror(errno))));
+    take(i, BrokenResult(id(i), fmt::format("no process for it: {}", std::strerror(errno))));
   };
   const auto end = [&](const Child& child) {
     close(child.pipe);
@@ -184,10 +184,10 @@ std::vector<ScenarioResult> RunApart(std::size_t count, int jobs, const RunLimit
     }
     const int exit = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
     take(child.index,
-         Broken(id(child.index), child.too_long      ? fmt::format("took longer than {:g} s", limits.most_seconds)
-                                 : exit == kNoMemory ? "ran out of memory"
-                                 : exit == kEnded    ? "ended the program before it had a result"
-                                                     : HowItEnded(state)));
+         BrokenResult(id(child.index), child.too_long      ? fmt::format("took longer than {:g} s", limits.most_seconds)
+                                       : exit == kNoMemory ? "ran out of memory"
+                                       : exit == kEnded    ? "ended the program before it had a result"
+                                                           : HowItEnded(state)));
   };
   for (std::size_t next = 0; next < count || !children.empty();) {
     while (next < count && std::ssize(children) < std::max(1, jobs)) begin(next++);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "experiment/run_scenario.h"
@@ -14,6 +15,9 @@ struct RunLimits {
   double most_seconds = 0.0;    // of a scenario; 0: none
   double most_memory_MB = 0.0;  // of address space that it may add; 0: none
 };
+
+/// The result of a scenario that came to none.
+ScenarioResult BrokenResult(std::string id, std::string why);
 
 /// The results of `count` scenarios, `jobs` at a time, in order: `make(i)` runs in a fork, and adds what there is to see to `page`
 /// there, from where both come back. A crash, an end of the program, more time or memory than the limits allow are that

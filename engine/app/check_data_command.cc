@@ -57,8 +57,8 @@ void CheckMap(const trace::Record& record, const RecordMap& map, Diagnostics& di
   for (const std::string& note : mapped->notes) Note(note + "\n");
 }
 
-/// What a record may be instead, where the simulation is far off and one reading brings it near. The corrected run is asked first:
-/// it takes the place of what free runs say of single signals.
+/// Adds the readings of the record (signs, units, columns) under which the simulation comes near it, where it is far off as it is.
+/// Findings of the corrected run replace those of the free run on single signals.
 void AddSuspects(const diagnosis::EstimationProblem& problem, std::vector<diagnosis::Finding>& findings) {
   const std::vector<identification::Suspect> misread =
       identification::MisreadingsOf(problem.plan(), problem.records().front(), problem.registry());

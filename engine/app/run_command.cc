@@ -132,7 +132,6 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
         page.Add(*scenarios[i], course, result);
       };
     }
-    ScenarioResult result;
     std::string thrown;  // out of memory, or a fault of a plugin: the others go on
     try {
       return RunScenario(*scenarios[i], options);
@@ -143,10 +142,7 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
     } catch (...) {
       thrown = "an exception that is none of the standard library's";
     }
-    result.id = scenarios[i]->plan.id;
-    result.verdict = score::Verdict::kBroken;
-    result.broken = std::move(thrown);
-    return result;
+    return BrokenResult(scenarios[i]->plan.id, std::move(thrown));
   };
   // What strangers wrote may crash, hang or end the program: it does so in a process of its own.
   const bool strangers = !scenarios.empty() && !scenarios.front()->registry->libraries().empty();

@@ -128,7 +128,7 @@ Status WriteWhole(const fs::path& path, std::span<const std::byte> bytes, Existi
     return Broken(path, fmt::format("cannot create the folder \"{}\"", folder.string()), error.value());
   }
 
-  // Nobody can guess the name and put something else there; O_EXCL would see it.
+  // The name is random, so that nobody can put another file there; O_EXCL refuses one that is there.
   const std::string before = fmt::format(".{}.", target.filename().string().substr(0, 200));
   SweepLeftBehind(folder, before);
   std::string name;

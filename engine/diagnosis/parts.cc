@@ -29,7 +29,7 @@ double LogPowerOf(const Plan& plan, const Levels& levels) {
   return sum / static_cast<double>(levels.data().channels().size());
 }
 
-/// What a plan's innovations are beyond noise.
+/// The excess of a plan's innovations over noise; nothing where its run breaks.
 std::optional<LeftThere> LeftBeside(const Plan& plan, const Levels& levels, const estimation::Predictor& predictor) {
   const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
   if (!rows.ok()) return std::nullopt;

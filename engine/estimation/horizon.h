@@ -22,7 +22,7 @@ struct HorizonLevel {
   std::map<std::string, double> by_noise;  // what measurement noise alone would cause
   bool at_noise = false;                   // of every output
 
-  /// Of the NRMSE of all outputs.
+  /// The geometric mean of the outputs' NRMSE.
   double GeometricMean() const;
 };
 

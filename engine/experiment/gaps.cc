@@ -37,7 +37,7 @@ std::vector<Span> KnownSpans(const MappedRecord& record) {
   return known;
 }
 
-/// The samples of a span, whose beginning becomes 0 s. Of a uniform base (`step_s` above 0) instants stay multiples of its step.
+/// The samples of a span; its beginning becomes 0 s. Instants of a uniform base (`step_s` above 0) stay multiples of that step.
 Series Cut(const Series& series, const Span& span, double step_s) {
   const double slack = 1e-9 * (1.0 + span.to_s);
   std::vector<double> time, values;

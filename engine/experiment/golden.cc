@@ -213,13 +213,13 @@ bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_f
 }
 
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run) {
-  const std::string trace_file = TraceOf(place);
+  const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
+  const std::string trace_file = tolerances.ok() ? TraceFor(place, *tolerances) : place.trace;
   const Result<trace::Trace> golden = trace::ReadTrace(trace_file);
   if (!golden.ok()) {
     return {NotCompared("golden", "tube",
                         fmt::format("{}; if this run is right: {}", golden.failure().ToString(), place.bless))};
   }
-  const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
   if (!tolerances.ok()) return {NotCompared("golden", "tube", tolerances.failure().ToString())};
   const std::string solver = run.provenance.Text("solver").value_or("");
   const SignalTolerances widths = tolerances->For(solver);

@@ -13,8 +13,9 @@ namespace dynoproof::identification {
 namespace {
 
 constexpr double kClearly = 0.5;
-/// Of the distance of held inputs. What a model lacks adds to half a sample more or less by squares, as far as the two are alike in
-/// nothing: so the least distance is the likeliest, however wrong the model. Below lies what noise may do.
+/// Share of the NRMSE with held inputs that another course must stay below to be taken. The error of a model and that of half a sample
+/// are hardly correlated, so that their squares add: the smallest NRMSE belongs to the likeliest course, however wrong the
+/// model. Differences of less than a tenth may come from noise.
 constexpr double kBetter = 0.9;
 
 }  // namespace

@@ -81,24 +81,26 @@ TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
   EXPECT_EQ(free_run, 0);
 }
 
+/// One mass of 2 kg m^2 with dry friction, swung at two frequencies.
+Plan Rubbing(double friction_Nm, double duration_s) {
+  Plan plan = testing::OneMass(2.0,
+                               Value{{"type", "sine_sum"},
+                                     {"amplitudes", Value::Array{30.0, 10.0}},
+                                     {"frequencies_Hz", Value::Array{1.3, 9.0}},
+                                     {"phases_rad", Value::Array{0.0, 1.0}}},
+                               duration_s);
+  plan.root["plant"]["load"]["friction"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", friction_Nm}};
+  return plan;
+}
+
 /// Two records of one machine, whose friction has grown by a fifth between them: no single number explains both.
 TEST(CorrectedFit, ANumberThatDiffersFromRecordToRecordHasItsValueInEach) {
-  const auto with = [](double friction) {
-    Plan plan = testing::OneMass(2.0,
-                                 Value{{"type", "sine_sum"},
-                                       {"amplitudes", Value::Array{30.0, 10.0}},
-                                       {"frequencies_Hz", Value::Array{1.3, 9.0}},
-                                       {"phases_rad", Value::Array{0.0, 1.0}}},
-                                 2.0);
-    plan.root["plant"]["load"]["friction"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", friction}};
-    return plan;
-  };
   std::vector<MappedRecord> records;
   for (const double friction : {4.0, 4.8}) {
-    records.push_back(RecordOf(with(friction), 0.002, {"w"}));
+    records.push_back(RecordOf(Rubbing(friction, 2.0), 0.002, {"w"}));
     records.back().file = "bench_" + std::to_string(records.size()) + ".csv";
   }
-  Plan nominal = with(3.0);
+  Plan nominal = Rubbing(3.0, 2.0);
   *nominal.root.FindPath("plant.inertia.I") = Value(2.2);
   const IdentifyOptions options = {{{"plant.inertia.I", std::nullopt}, {"plant.load.friction.T_c_Nm", std::nullopt}},
                                    IdentifyMethod::kCorrected};
@@ -126,13 +128,7 @@ TEST(CorrectedFit, ANumberThatDiffersFromRecordToRecordHasItsValueInEach) {
 
 /// Dry friction and a mass, both unknown, of a model that knows nothing of a drag beside them.
 TEST(SlowCorrectedFit, OfAnInexactModelTellsHowMuchIsUnknown) {
-  Plan truth = testing::OneMass(2.0,
-                                Value{{"type", "sine_sum"},
-                                      {"amplitudes", Value::Array{30.0, 10.0}},
-                                      {"frequencies_Hz", Value::Array{1.3, 9.0}},
-                                      {"phases_rad", Value::Array{0.0, 1.0}}},
-                                4.0);
-  truth.root["plant"]["load"]["friction"] = Value{{"on", "I"}, {"law", "coulomb"}, {"T_c_Nm", 4.0}};
+  Plan truth = Rubbing(4.0, 4.0);
   Plan nominal = truth;
   truth.root["plant"]["load"]["unlisted"] = Value{{"on", "I"}, {"law", "quadratic_drag"}, {"b2_Nms2_per_rad2", 0.02}};
   nominal.root.FindPath("plant.load.friction")->operator[]("T_c_Nm") = Value(0.0);
