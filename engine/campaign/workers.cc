@@ -79,12 +79,16 @@ bool WriteAll(int pipe, std::string_view text) {
         _exit(1);
       }
       break;
-    } catch (const std::exception& error) {  // a fault of a plugin, or out of memory: that run's row
+    } catch (const std::exception& error) {  // that run's row
       if (subject.batch() > 1 && !one_by_one) {
         one_by_one = true;
         continue;
       }
-      Row row{left.begin, score::Verdict::kBroken, {}, fmt::format("unexpected: {}", error.what())};
+      const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+      Row row{left.begin,
+              score::Verdict::kBroken,
+              {},
+              memory ? "out of memory" : fmt::format("unexpected: {}", error.what())};
       row.figures.assign(subject.figures().size(), std::numeric_limits<double>::quiet_NaN());
       ++left.begin;
       done(row);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <sundials/sundials_context.hpp>
 
 #include "sim/vector_operations.h"
@@ -42,14 +43,28 @@ int Guards(realtype time, N_Vector states, realtype* values, void* user) {
 /// SUNDIALS prints its warnings; they come back as return codes, and library code does not print.
 void Silence(int, const char*, const char*, char*, void*) {}
 
+/// Whether a call of SUNDIALS succeeded. Its want of memory is not the problem's fault: who looks for a number by many runs
+/// would take it for a plant that cannot be simulated, and end elsewhere.
+bool Succeeded(int flag) {
+  static_assert(ARK_MEM_FAIL == CV_MEM_FAIL);
+  if (flag == ARK_MEM_FAIL) throw std::bad_alloc();
+  return flag >= 0;
+}
+
+template <class T>
+T* Made(T* object) {
+  if (object == nullptr) throw std::bad_alloc();
+  return object;
+}
+
 /// What both integrators share: the context, the vectors, the course of Evolve.
 class SundialsIntegrator : public Integrator {
  public:
   explicit SundialsIntegrator(OdeProblem problem) : problem_(std::move(problem)), roots_(problem_.guard_count) {
     const auto n = static_cast<sunindextype>(problem_.absolute_tolerance.size());
-    states_.reset(N_VNew_Serial(n, context_));
+    states_.reset(Made(N_VNew_Serial(n, context_)));
     UseOwnOperations(states_.get());
-    tolerance_.reset(N_VNew_Serial(n, context_));
+    tolerance_.reset(Made(N_VNew_Serial(n, context_)));
     std::copy(problem_.absolute_tolerance.begin(), problem_.absolute_tolerance.end(), Data(tolerance_.get()).begin());
   }
 
@@ -85,7 +100,7 @@ class SundialsIntegrator : public Integrator {
   virtual char* FlagName(long flag) const = 0;
 
   Status Check(int flag, const char* action, double time_s) const {
-    if (flag >= 0) return {};
+    if (Succeeded(flag)) return {};
     char* text = FlagName(flag);
     const std::string reason = text;
     std::free(text);
@@ -105,17 +120,17 @@ class ExplicitIntegrator final : public SundialsIntegrator {
   ~ExplicitIntegrator() override { ARKStepFree(&memory_); }
 
   bool Make() {
-    memory_ = ARKStepCreate(Rates, nullptr, 0.0, states_.get(), context_);
-    return memory_ != nullptr && ARKStepSetErrHandlerFn(memory_, Silence, nullptr) == 0 &&
-           ARKStepSetUserData(memory_, &problem_) == 0 &&
-           ARKStepSetTableNum(memory_, ARKODE_DIRK_NONE, ARKODE_VERNER_8_5_6) == 0 &&
+    memory_ = Made(ARKStepCreate(Rates, nullptr, 0.0, states_.get(), context_));
+    return Succeeded(ARKStepSetErrHandlerFn(memory_, Silence, nullptr)) &&
+           Succeeded(ARKStepSetUserData(memory_, &problem_)) &&
+           Succeeded(ARKStepSetTableNum(memory_, ARKODE_DIRK_NONE, ARKODE_VERNER_8_5_6)) &&
            // Only the search for roots looks between steps; degree 1 is exact at their ends. The state at a root is the
            // interpolant's: degree 3 would cost more than the steps' own tolerance.
-           ARKStepSetInterpolantDegree(memory_, problem_.guard_count > 0 ? 5 : 1) == 0 &&
-           ARKStepSVtolerances(memory_, problem_.relative_tolerance, tolerance_.get()) == 0 &&
-           ARKStepSetMaxNumSteps(memory_, 1'000'000) == 0 &&
-           (problem_.max_step_s == 0.0 || ARKStepSetMaxStep(memory_, problem_.max_step_s) == 0) &&
-           ARKStepRootInit(memory_, problem_.guard_count, problem_.guard_count > 0 ? Guards : nullptr) == 0;
+           Succeeded(ARKStepSetInterpolantDegree(memory_, problem_.guard_count > 0 ? 5 : 1)) &&
+           Succeeded(ARKStepSVtolerances(memory_, problem_.relative_tolerance, tolerance_.get())) &&
+           Succeeded(ARKStepSetMaxNumSteps(memory_, 1'000'000)) &&
+           (problem_.max_step_s == 0.0 || Succeeded(ARKStepSetMaxStep(memory_, problem_.max_step_s))) &&
+           Succeeded(ARKStepRootInit(memory_, problem_.guard_count, problem_.guard_count > 0 ? Guards : nullptr));
   }
 
   std::map<std::string, std::int64_t> counters() const override {
@@ -160,16 +175,17 @@ class BdfIntegrator final : public SundialsIntegrator {
 
   bool Make() {
     const auto n = static_cast<sunindextype>(problem_.absolute_tolerance.size());
-    memory_ = CVodeCreate(CV_BDF, context_);
-    matrix_ = SUNDenseMatrix(n, n, context_);
-    solver_ = SUNLinSol_Dense(states_.get(), matrix_, context_);
-    return memory_ != nullptr && matrix_ != nullptr && solver_ != nullptr &&
-           CVodeSetErrHandlerFn(memory_, Silence, nullptr) == 0 && CVodeInit(memory_, Rates, 0.0, states_.get()) == 0 &&
-           CVodeSetUserData(memory_, &problem_) == 0 &&
-           CVodeSVtolerances(memory_, problem_.relative_tolerance, tolerance_.get()) == 0 &&
-           CVodeSetLinearSolver(memory_, solver_, matrix_) == 0 && CVodeSetMaxNumSteps(memory_, 1'000'000) == 0 &&
-           (problem_.max_step_s == 0.0 || CVodeSetMaxStep(memory_, problem_.max_step_s) == 0) &&
-           CVodeRootInit(memory_, problem_.guard_count, problem_.guard_count > 0 ? Guards : nullptr) == 0;
+    memory_ = Made(CVodeCreate(CV_BDF, context_));
+    matrix_ = Made(SUNDenseMatrix(n, n, context_));
+    solver_ = Made(SUNLinSol_Dense(states_.get(), matrix_, context_));
+    return Succeeded(CVodeSetErrHandlerFn(memory_, Silence, nullptr)) &&
+           Succeeded(CVodeInit(memory_, Rates, 0.0, states_.get())) &&
+           Succeeded(CVodeSetUserData(memory_, &problem_)) &&
+           Succeeded(CVodeSVtolerances(memory_, problem_.relative_tolerance, tolerance_.get())) &&
+           Succeeded(CVodeSetLinearSolver(memory_, solver_, matrix_)) &&
+           Succeeded(CVodeSetMaxNumSteps(memory_, 1'000'000)) &&
+           (problem_.max_step_s == 0.0 || Succeeded(CVodeSetMaxStep(memory_, problem_.max_step_s))) &&
+           Succeeded(CVodeRootInit(memory_, problem_.guard_count, problem_.guard_count > 0 ? Guards : nullptr));
   }
 
   std::map<std::string, std::int64_t> counters() const override {

@@ -5,7 +5,8 @@ random instants: nothing is lost, nothing is half there under a final name, and 
 kill_points_test.py PROGRAM PRELOAD [--every N] [--kills N] [--json FILE]
 kill_points_test.py . . --write tests/kill_points.json        the table in tests/README.md
 
---every   looks at each N-th call only; --kills: instants for each command; --json: how many points were tried.
+--every   looks at each N-th call only; --kills: instants for each command; --allocations: how many of a command's fail;
+--json    how many points were tried.
 Ends with 1 where a rule is broken, with the point that did it."""
 import argparse
 import errno
@@ -13,6 +14,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import sqlite3
@@ -21,8 +23,6 @@ import sys
 import tempfile
 import time
 import xml.etree.ElementTree
-
-ALLOCATIONS = 40  # of a command's that fail, evenly over all
 
 CAMPAIGN = """title = "Points"
 scenario = "line.toml"
@@ -39,10 +39,12 @@ take = "peak"
 
 class Case:
     """A command that writes, in a folder as `before` has made it. `sound`: what holds of all files whatever the call came to;
-    `again`: the next call, where that is another; `after`: what has to work behind that. What things cost differs from call to call."""
+    `again`: the next call, where that is another; `after`: what has to work behind that; `rows`: a table where a run for which
+    there was no memory is a broken row with its reason and the others are as they are: then the command begins anew. What things
+    cost differs from call to call."""
 
-    def __init__(self, name, command, before=(), sound=lambda folder: None, again=None, after=()):
-        self.name, self.command, self.before, self.sound, self.after = name, command, before, sound, after
+    def __init__(self, name, command, before=(), sound=lambda folder: None, again=None, after=(), rows=""):
+        self.name, self.command, self.before, self.sound, self.after, self.rows = name, command, before, sound, after, rows
         self.again = again or command
 
 
@@ -57,6 +59,14 @@ def files(folder):
     """What stands under final names: bytes by name."""
     return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*"))
             if file.is_file() and not file.name.startswith(".") and not file.name.endswith(("-journal", "-wal", "-shm"))}
+
+
+def rows_with_reasons(data, whole):
+    """The same lines but for rows that are broken and say why."""
+    lines, expected = data.splitlines(), whole.splitlines()
+    return len(lines) == len(expected) and all(
+        one == other or re.fullmatch(rb'.*,broken,"(out of memory|crashed: signal)[^"]*"', one)
+        for one, other in zip(lines, expected))
 
 
 def json_is_whole(name):
@@ -94,7 +104,8 @@ CASES = [
     Case("history, one more", "dynoproof history add r.json --db h.sqlite",
          before=["dynoproof run line.toml --json r.json", "dynoproof history add r.json --db h.sqlite"], sound=database_is_whole,
          after=["dynoproof history show --db h.sqlite"]),
-    Case("sweep", "dynoproof sweep sweep.toml --out swept --jobs 1", again="dynoproof sweep sweep.toml --out swept --jobs 1 --resume"),
+    Case("sweep", "dynoproof sweep sweep.toml --out swept --jobs 1", again="dynoproof sweep sweep.toml --out swept --jobs 1 --resume",
+         rows="swept/sweep/table.csv"),
     Case("export", "dynoproof export out/line.h5 --to csv --out t.csv", before=["dynoproof run line.toml"]),
     Case("new map", "dynoproof new map t.csv --scenario line.toml",
          before=["dynoproof run line.toml", "dynoproof export out/line.h5 --to csv --out t.csv"],
@@ -138,8 +149,15 @@ class Harness:
 
     def look(self, case, folder, before, whole, point, code=None):
         """What holds after a call that was cut short, and after the next one."""
+        again = case.again
         try:
-            for name, data in files(folder).items():
+            there = files(folder)
+            if case.rows and there.get(case.rows, whole[case.rows]) != whole[case.rows]:
+                if not rows_with_reasons(there[case.rows], whole[case.rows]):
+                    raise AssertionError(f"{case.rows} is neither what it becomes, nor are its other rows broken with a reason")
+                base, again = pathlib.PurePath(case.rows).parent, f"rm -rf {pathlib.PurePath(case.rows).parts[0]}; {case.command}"
+                there = {name: data for name, data in there.items() if base not in pathlib.PurePath(name).parents}
+            for name, data in there.items():
                 if not data and before.get(name) != b"" and whole.get(name) != b"":
                     raise AssertionError(f"{name} is empty")
                 if name.endswith(".html") and b"</html>" not in data:
@@ -154,14 +172,14 @@ class Harness:
             case.sound(folder)
             if code == 0 and not set(whole) <= set(files(folder)):
                 raise AssertionError(f"exit 0 without {sorted(set(whole) - set(files(folder)))}")
-            done = shell(folder, case.again, self.environment)
+            done = shell(folder, again, self.environment)
             for command in case.after:
                 shell(folder, command, self.environment)
             missing = set(whole) - set(files(folder))
             if missing:
                 raise AssertionError(f"after the next call {sorted(missing)} is not there\n{done.stderr}")
             case.sound(folder)
-        except (AssertionError, SystemExit, ValueError, SyntaxError, sqlite3.Error) as error:
+        except (AssertionError, SystemExit, ValueError, SyntaxError, sqlite3.Error, subprocess.TimeoutExpired) as error:
             self.failures.append(f"{case.name}, {point}: {error}")
 
     def run(self, case):
@@ -184,9 +202,9 @@ class Harness:
                 done = shell(folder, case.command, {**self.environment, **preload, **more, "DYNOPROOF_POINT": str(point)}, check=False)
                 tried += 1
                 self.look(case, folder, before, whole, f"{way} at call {point}", done.returncode)
-        for k in range(0, ALLOCATIONS, self.options.every):
+        for k in range(0, self.options.allocations, self.options.every):
             folder = self.copy(made)
-            point = 1 + k * allocations // ALLOCATIONS
+            point = 1 + k * allocations // self.options.allocations
             done = shell(folder, case.command, {**self.environment, **preload, "DYNOPROOF_ALLOCATION": str(point)}, check=False)
             tried += 1
             self.look(case, folder, before, whole, f"no memory at allocation {point}", done.returncode)
@@ -241,6 +259,7 @@ def main():
     parser.add_argument("preload", type=lambda text: pathlib.Path(text).resolve())
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--kills", type=int, default=0)
+    parser.add_argument("--allocations", type=int, default=40, help="evenly over all of a command's")
     parser.add_argument("--only", default="")
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--write", type=pathlib.Path, help="the table in tests/README.md, from such a file; calls nothing")
