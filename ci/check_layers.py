@@ -21,12 +21,14 @@ MAY_INCLUDE = {
     "estimation": ["experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "identification": ["estimation", "experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "diagnosis": ["identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model", "linear", "base"],
+    "probe": ["experiment", "scenario", "sim", "trace", "score", "model", "base"],
+    "reduce": ["experiment", "scenario", "sim", "trace", "score", "model", "base"],
     "history": ["score", "base"],
     "campaign": ["experiment", "scenario", "sim", "trace", "score", "model", "linear", "base", "control10k"],
     "thesis": ["campaign", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
                "control10k"],
-    "reports": ["campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
-    "app": ["reports", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
+    "reports": ["probe", "campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
+    "app": ["reports", "probe", "reduce", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
             "linear", "base"],
 }
 # engine/thesis can be deleted: only its own commands and the program's two hooks, main.cc and app.cc, know it.

@@ -138,6 +138,18 @@ std::string Change(const Finding& finding, const std::string& unit) {
                                        : "no reading, nor ever one";
 }
 
+/// The command that finds the commit between two nights: of what a scenario's run gives, where the commits differ. Else empty.
+std::string BisectCommand(const History& history, const Finding& finding) {
+  const std::string& name = history.series[finding.series].name;
+  const bool of_a_run = name.starts_with("score/") || name.starts_with("figure/") || name.starts_with("counter/");
+  const std::size_t begin = name.find('/'), end = name.rfind('/');
+  if (!of_a_run || end <= begin || finding.night == 0) return "";
+  const std::string &good = history.nights[finding.night - 1].commit, &bad = history.nights[finding.night].commit;
+  if (good == bad) return "";
+  return fmt::format("dynoproof bisect {} --good {} --bad {}", ShellQuoted(name.substr(begin + 1, end - begin - 1)),
+                     ShellQuoted(good), ShellQuoted(bad));
+}
+
 nlohmann::json ToJson(const History& history, const history::Watch& watch) {
   nlohmann::json document = {{"nights", history.nights.size()},
                              {"compared", watch.compared},
@@ -152,6 +164,7 @@ nlohmann::json ToJson(const History& history, const history::Watch& watch) {
                                     {"before", OrNull(finding.before)},
                                     {"after", OrNull(finding.after)},
                                     {"p", finding.p},
+                                    {"bisect", BisectCommand(history, finding)},
                                     {"recent", finding.recent}});
   }
   return document;
@@ -207,6 +220,8 @@ int Check(const HistoryArguments& arguments) {
             "{:<8} {:<64} {} since {} (commit {}{})\n", ToString(finding.kind), series.name,
             Change(finding, series.unit), history->nights[finding.night].time, history->nights[finding.night].commit,
             series.scatters && finding.kind != Finding::Kind::kMissing ? fmt::format(", p = {:.1e}", finding.p) : ""));
+    if (const std::string command = BisectCommand(*history, finding); !command.empty())
+      Print(arguments.common, fmt::format("         {}\n", command));
   }
   Print(arguments.common, fmt::format("{} nights, {} series compared, {} too short yet\n", history->nights.size(),
                                       watch.compared, watch.too_short));

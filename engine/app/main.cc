@@ -49,6 +49,9 @@ int main(int argc, char** argv) {
   app::AddBench(program, exit);
   app::AddHistory(program, exit);
   app::AddSweep(program, exit);
+  app::AddProbe(program, exit);
+  app::AddReduce(program, exit);
+  app::AddBisect(program, exit);
   app::AddBless(program, exit);
   app::AddList(program, exit);
   app::AddDescribe(program, exit);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/effect_size.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
@@ -12,30 +13,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using estimation::DataSet;
 using estimation::Hypothesis;
-
-/// Parameters that scale an effect about linearly from its neutral value, where that value is finite and within reach.
-std::vector<std::size_t> StrengthsOf(const Effect& effect) {
-  std::vector<std::size_t> strengths;
-  const std::vector<EffectParameter>& parameters = effect.info().parameters;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (std::isfinite(parameters[i].neutral) && parameters[i].neutral < parameters[i].upper) strengths.push_back(i);
-  }
-  return strengths;
-}
-
-/// The parameters that grow with the size of an effect: its strengths, and what is one of them by something, as the stiffness
-/// of a friction that is elastic: the stretch at which it gives way stays.
-std::vector<std::size_t> SizedWith(const Effect& effect) {
-  std::vector<std::size_t> sized = StrengthsOf(effect);
-  const std::vector<EffectParameter>& all = effect.info().parameters;
-  const std::vector<std::size_t> strengths = sized;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool by = std::ranges::any_of(
-        strengths, [&](std::size_t k) { return k != i && all[i].unit.starts_with(all[k].unit + "/"); });
-    if (by && std::ranges::find(sized, i) == sized.end()) sized.push_back(i);
-  }
-  return sized;
-}
 
 }  // namespace
 
@@ -70,7 +47,7 @@ std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& le
     for (const Place& place : effect->Places(base.nominal())) {
       if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
       if (std::ranges::find(base.effects(), Hypothesis::Applied{effect, place}) != base.effects().end()) continue;
-      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, SizedWith(*effect)};
+      Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, SizedWith(effect->info())};
       const std::size_t first = base.of_effects(), count = effect->info().parameters.size();
       const auto& parameters = candidate.hypothesis.parameters();
       for (const std::vector<double>& start : effect->Starts(base.nominal(), place, magnitudes)) {

@@ -4,7 +4,7 @@
 //   DYNOPROOF_PLUGIN(registry) { registry.AddCheck<MyCheck>(); }
 //
 // MyCheck derives from CheckPlan, is built from its Params (model/params.h) and declares kName and kSummary; if they
-// apply also kRelativeLimits (keys of limits that are relative deviations), kComparesSolvers and kNeedsAnalysis.
+// apply also kRelativeLimits (keys of limits that are relative deviations), kComparesSolvers, kFollowsPlan and kNeedsAnalysis.
 #pragma once
 
 #include <iterator>
@@ -106,6 +106,7 @@ class CheckPlan {
     if constexpr (requires { C::kRelativeLimits; })
       kind.relative_limits.assign(std::begin(C::kRelativeLimits), std::end(C::kRelativeLimits));
     if constexpr (requires { C::kComparesSolvers; }) kind.compares_solvers = C::kComparesSolvers;
+    if constexpr (requires { C::kFollowsPlan; }) kind.follows_plan = C::kFollowsPlan;
     if constexpr (requires { C::kNeedsAnalysis; }) kind.needs_analysis = C::kNeedsAnalysis;
     kind.make = [](const Value& table, Diagnostics& diagnostics) -> std::unique_ptr<CheckPlan> {
       typename C::Params params;

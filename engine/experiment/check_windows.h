@@ -22,6 +22,7 @@ class WindowsCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "windows";
+  static constexpr bool kFollowsPlan = true;
   static constexpr const char* kRelativeLimits[] = {"nrmse"};
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference` in windows that restart from its state";

@@ -163,6 +163,7 @@ class SolversCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "solvers";
+  static constexpr bool kFollowsPlan = true;
   static constexpr const char* kRelativeLimits[] = {"nrmse"};
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "`realtime` against `reference`";
@@ -230,6 +231,7 @@ class OracleCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "oracle";
+  static constexpr bool kFollowsPlan = true;
   static constexpr const char* kRelativeLimits[] = {"nrmse"};
   static constexpr const char* kSummary = "the run against an independent reference";
   explicit OracleCheck(Params params) : p_(std::move(params)) {}

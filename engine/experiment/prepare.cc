@@ -181,6 +181,23 @@ std::vector<std::string> ChangesBySet(const std::string& file, const Plan& plan)
 
 }  // namespace
 
+std::unique_ptr<Prepared> PrepareLike(const Prepared& like, Plan plan, Diagnostics& diagnostics) {
+  const int before = diagnostics.error_count();
+  auto prepared = std::make_unique<Prepared>();
+  prepared->title = like.title;
+  prepared->records = like.records;
+  prepared->registry = like.registry;
+  prepared->record = like.record;
+  prepared->data = like.data;
+  prepared->golden = like.golden;
+  prepared->checks_as_written = like.checks_as_written;
+  prepared->rig = Rig::Build(plan, *like.registry, *like.records, diagnostics);
+  if (prepared->rig != nullptr && like.data == nullptr) BuildVariants(plan, *like.registry, *prepared, diagnostics);
+  prepared->checks = ReadChecks(like.plan, *like.rig, *like.registry, diagnostics);
+  prepared->plan = std::move(plan);
+  return diagnostics.error_count() == before ? std::move(prepared) : nullptr;
+}
+
 std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics) {
   const int before = diagnostics.error_count();

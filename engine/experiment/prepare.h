@@ -58,6 +58,10 @@ std::unique_ptr<Prepared> Prepare(const std::string& file, const PrepareOptions&
 std::unique_ptr<Prepared> Prepare(Plan plan, const PrepareOptions& options, const Registry& registry,
                                   Diagnostics& diagnostics);
 
+/// The same experiment of another model: the records, golden data and checks of `like`, and a plan that is its plan with changed
+/// values. Checks stay those that `like` states. Null when there was any error.
+std::unique_ptr<Prepared> PrepareLike(const Prepared& like, Plan plan, Diagnostics& diagnostics);
+
 /// The plan's plant starts where the first samples of a record say, when these say otherwise than the plan, in the
 /// values that it declares as measured.
 void StartFromRecord(const MappedRecord& data, const Registry& registry, Plan& plan);

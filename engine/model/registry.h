@@ -51,6 +51,7 @@ struct CheckKind {
   std::vector<ParamInfo> parameters;
   std::vector<std::string> relative_limits = {};  // parameters that are a largest relative deviation
   bool compares_solvers = false;                  // `realtime` against `reference`
+  bool follows_plan = false;                      // with what the same plan gives otherwise: a wrong number is in both
   bool needs_analysis = false;                    // the section [analysis] of the scenario
   std::function<std::unique_ptr<CheckPlan>(const Value& table, Diagnostics& diagnostics)> make;  // null: faulty table
 };

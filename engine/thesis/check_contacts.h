@@ -32,6 +32,7 @@ class ContactsCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "contacts";
+  static constexpr bool kFollowsPlan = true;
   static constexpr const char* kRelativeLimits[] = {"nrmse", "alike_nrmse"};
   static constexpr bool kComparesSolvers = true;
   static constexpr const char* kSummary = "impacts in a shaft with play: solvers, halved steps, laws";
@@ -60,6 +61,7 @@ class DivergenceCheck : public CheckPlan {
     }
   };
   static constexpr const char* kName = "divergence";
+  static constexpr bool kFollowsPlan = true;
   static constexpr const char* kSummary = "rate at which runs part after a tiny change";
   explicit DivergenceCheck(Params params) : p_(std::move(params)) {}
   std::vector<std::string> Signals() const override { return {p_.signal}; }

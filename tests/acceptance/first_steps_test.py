@@ -10,6 +10,7 @@ from steps import ROOT, Steps, blocks, commands, section
 
 Steps.program = os.path.abspath(sys.argv.pop())
 RIGHT, WHY, FAST = "Is this simulation right?", "It disagrees with the measurement: why?", "Is it fast enough for 10 kHz?"
+BLIND = "What would your checks not see?"
 BUILD, SECTION, RECORD = "Two commands", "Your own drive line in five minutes", "Your own record"
 CHANGES = blocks("scenarios/README.md", "toml", "Changes to a line")
 SHORT = " --set run.duration_s=0.3"  # of 2 s: the chirp has come to 60 Hz, play and friction have been at work
@@ -46,7 +47,7 @@ class FirstSteps(Steps):
 
     def test_no_command_of_the_readme_is_left_out(self):
         """Those that install and build are what the tests themselves began with."""
-        known = [script for heading in (RIGHT, WHY, FAST, BUILD, SECTION, RECORD) for script in blocks("README.md", "sh", heading)]
+        known = [script for heading in (RIGHT, WHY, FAST, BUILD, SECTION, RECORD, BLIND) for script in blocks("README.md", "sh", heading)]
         self.assertEqual(blocks("README.md", "sh"), known)
         for command, _ in commands(known[3]):
             self.assertTrue(os.access(ROOT / command, os.X_OK), command)
@@ -80,6 +81,14 @@ class FirstSteps(Steps):
         self.assertIn(done.returncode, (0, 4, 5), "on a machine that runs tests nothing is promised")
         self.assertIn("suppression/adaptive", title)
         self.assertIn("step, median", done.stdout)
+
+    @of_the_thesis
+    def test_what_would_the_checks_not_see(self):
+        (script,) = blocks("README.md", "sh", BLIND)
+        said = self.script(script)
+        self.assertIn("met        stiffness_change is to be seen at 0.05", said)
+        self.assertIn('still fail "golden T"', said)
+        self.assertIn("usual errors", (self.folder / "out/probe.html").read_text().split("</title>")[0])
 
     def test_the_commands_of_the_readme(self):
         (self.folder / "my_line.toml").unlink()

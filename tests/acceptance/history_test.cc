@@ -41,6 +41,33 @@ TEST(HistoryFromOutside, KeepsShowsAndFindsWhatGotWorse) {
   EXPECT_THAT(show.Both(), HasSubstr("▁▁▁▁██"));
 }
 
+TEST(HistoryFromOutside, NamesTheCommandThatFindsTheCommit) {
+  Bench bench;
+  const auto run = [](double value) {
+    return nlohmann::json{{"exit", 0},
+                          {"diagnostics", nlohmann::json::array()},
+                          {"scenarios",
+                           {{{"id", "family/line"},
+                             {"title", "a line"},
+                             {"verdict", "pass"},
+                             {"trace", ""},
+                             {"checks", nlohmann::json::array()},
+                             {"figures", {{"resonance_1_hz", {{"value", value}, {"unit", "Hz"}}}}}}}}}
+        .dump();
+  };
+  for (int night = 1; night <= 3; ++night) {
+    bench.Write("run.json", run(night < 3 ? 97.38 : 96.87));
+    const Outcome add =
+        bench.Call({"history", "add", "run.json", "--db", "h.sqlite", "--machine", "m", "--commit",
+                    "c" + std::to_string(night), "--time", "2026-03-0" + std::to_string(night) + "T02:00:00Z"});
+    ASSERT_EQ(add.exit, 0) << add.Both();
+  }
+  const Outcome check = bench.Call({"history", "check", "--db", "h.sqlite", "--json", "c.json"});
+  EXPECT_THAT(check.Both(), HasSubstr("dynoproof bisect family/line --good c2 --bad c3"));
+  EXPECT_EQ(nlohmann::json::parse(ReadBytes(bench / "c.json"))["findings"][0]["bisect"],
+            "dynoproof bisect family/line --good c2 --bad c3");
+}
+
 TEST(HistoryFromOutside, TakesAllFilesOrNone) {
   Bench bench;
   bench.Write("good.json", Budgets(1.0));

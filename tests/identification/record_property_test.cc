@@ -202,7 +202,7 @@ Written Write(const Way& way, std::uint64_t seed, const test::TempDir& folder) {
   return written;
 }
 
-class RecordProperty : public testing::Test {
+class RecordProperty : public ::testing::Test {
  protected:
   RecordProperty() {
     RegisterBuiltIns(registry_);
@@ -263,7 +263,7 @@ TEST_F(RecordProperty, OneExperimentGivesTheSameNumbersHoweverItIsRecorded) {
       continue;
     }
     ++open, missed += held ? 0 : 1;
-    EXPECT_THAT(record->notes, testing::Contains(testing::HasSubstr("for which intervals allow"))) << worst;
+    EXPECT_THAT(record->notes, ::testing::Contains(::testing::HasSubstr("for which intervals allow"))) << worst;
   }
   // Few steps are so odd, and stamped so roughly, that the stamps do not tell them: 94 of 100, 374 of 400.
   EXPECT_GE(exact, 85);
@@ -325,7 +325,7 @@ TEST_F(RecordProperty, NoBitDependsOnAColumnThatIsNotUsed) {
     return text;
   };
   const std::string plain = answer(write(Draw(0), 0));
-  ASSERT_THAT(plain, testing::HasSubstr("plant.inertia.I3"));
+  ASSERT_THAT(plain, ::testing::HasSubstr("plant.inertia.I3"));
   for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
     const Draw draw(seed);
     const std::string text = write(draw, 1 + draw.Below(1, 6));

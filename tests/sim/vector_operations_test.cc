@@ -54,7 +54,7 @@ void ExpectSameBits(Change change) {
 TEST(VectorOperations, LinearSumsHaveSundialsBits) {
   for (const double a : {1.0, -1.0, 0.3, -0.3, 7.0}) {
     for (const double b : {1.0, -1.0, 0.3, -0.3, 0.7}) {
-      SCOPED_TRACE(testing::Message() << a << " x + " << b << " y");
+      SCOPED_TRACE(::testing::Message() << a << " x + " << b << " y");
       ExpectSameBits([a, b](N_Vector x, N_Vector y, N_Vector z) { return N_VLinearSum(a, x, b, y, z), 0.0; });
       ExpectSameBits([a, b](N_Vector x, N_Vector y, N_Vector) { return N_VLinearSum(a, x, b, y, x), 0.0; });
       ExpectSameBits([a, b](N_Vector x, N_Vector y, N_Vector) { return N_VLinearSum(a, x, b, y, y), 0.0; });

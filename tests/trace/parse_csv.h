@@ -9,23 +9,23 @@
 #include "tests/support/temp_dir.h"
 #include "trace/csv.h"
 
-namespace dynoproof::trace::test {
+namespace dynoproof::test {
 
-inline Result<Record> Parse(const std::string& text) {
-  const dynoproof::test::TempDir dir;
-  return ReadCsv(dir.Write("record.csv", text));
+inline Result<trace::Record> Parse(const std::string& text) {
+  const TempDir dir;
+  return trace::ReadCsv(dir.Write("record.csv", text));
 }
 
 /// The record of a text that must be read; an empty one after a failure.
-inline Record Read(const std::string& text) {
-  Result<Record> record = Parse(text);
+inline trace::Record Read(const std::string& text) {
+  Result<trace::Record> record = Parse(text);
   EXPECT_TRUE(record.ok()) << text << "\n" << (record.ok() ? "" : record.failure().message);
-  return record.ok() ? *std::move(record) : Record{};
+  return record.ok() ? *std::move(record) : trace::Record{};
 }
 
 /// What is said of a text that must not be read.
 inline std::string MessageOf(const std::string& text) {
-  const Result<Record> record = Parse(text);
+  const Result<trace::Record> record = Parse(text);
   EXPECT_FALSE(record.ok()) << text;
   if (record.ok()) return "";
   EXPECT_EQ(record.failure().exit_code, 2);
@@ -33,4 +33,4 @@ inline std::string MessageOf(const std::string& text) {
   return record.failure().message;
 }
 
-}  // namespace dynoproof::trace::test
+}  // namespace dynoproof::test

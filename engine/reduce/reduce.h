@@ -1,0 +1,51 @@
+// The smallest scenario that still fails the same check for the same cause: delta debugging over the tree of values, with the
+// moves of a drive line first.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "model/plan.h"
+#include "model/registry.h"
+#include "score/verdict.h"
+
+namespace dynoproof::reduce {
+
+struct Options {
+  std::string check = {};  // its name as `run` shows it, or its kind; empty: the one that is furthest beyond its limit
+  int most_runs = 100;     // what is left then stands
+  std::function<void(const std::string& what, int runs)> progress = {};
+};
+
+/// What was taken out, in one step that kept the fault.
+struct Step {
+  std::string what;
+  std::size_t lines = 0;  // of the scenario afterwards
+  double seconds = 0.0;   // its simulated time
+};
+
+struct Reduced {
+  Plan plan;
+  /// Of a golden check: the scenario that was blessed, with the same taken out. `plan` differs from what this one gives.
+  std::optional<Plan> before;
+  std::string check;             // the name of the one that fails
+  score::Check first, last;      // as it was, and as it is in `plan`
+  std::size_t lines_before = 0;  // of the scenario in one file, as ToToml() writes it
+  double seconds_before = 0.0;
+  int runs = 0;
+  bool complete = true;  // nothing more could be taken out; false: most_runs came first
+  std::vector<Step> steps;
+};
+
+/// A golden check is one of two scenarios, the one that was blessed and the present one: both lose the same, and what is compared are
+/// their runs. Where this program no longer gives the golden trace, only the run gets shorter.
+///
+/// The fault is the same one where the check of the same name (whatever numbers stand in it) fails in the same way: by a number
+/// that is not more than ten times as far beyond its limit, or not made for the same reason, or the run breaks with the same
+/// words. A failure with exit code 1 where nothing fails, or no such check.
+Result<Reduced> Reduce(Plan plan, const Registry& registry, const Options& options);
+
+}  // namespace dynoproof::reduce

@@ -1,0 +1,149 @@
+#include "reduce/reduce.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/run_scenario.h"
+#include "reduce/moves.h"
+#include "scenario/load.h"
+#include "tests/support/largest_check.h"
+#include "tests/support/plan_builder.h"
+#include "tests/support/run_plan.h"
+
+namespace dynoproof::reduce {
+namespace {
+
+using ::dynoproof::testing::Largest;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const Registry& Plugins() { return testing::PluginsAndLargest(); }
+
+/// The straight chain for a second, with a load that pulls at I3 with 300 N m, and 150 N m allowed in the last shaft.
+Plan PulledChain() {
+  Plan plan = testing::LumpedPlan();
+  plan.root["title"] = Value("a chain");
+  plan.root["input"]["T_airgap"]["source"] =
+      Value{{"type", "chirp"}, {"amplitude", 10.0}, {"start_Hz", 0.0}, {"end_Hz", 40.0}, {"rate_Hz_per_s", 40.0}};
+  plan.root["plant"]["load"]["pull"] = Value{{"on", "I5"}, {"law", "constant"}, {"T_0_Nm", 300.0}};
+  plan.root["output"]["w_2"] = Value{{"of", "plant.I2.speed"}};
+  plan.root["output"]["w_3"] = Value{{"of", "plant.I3.speed"}};
+  plan.root["check"] = Value(Value::Array{Largest("T_shaft", 150.0), Largest("omega_1", 1e9)});
+  return plan;
+}
+
+/// The verdict of the named check of a plan.
+score::Verdict VerdictOf(const Plan& plan, const std::string& name) {
+  Diagnostics diagnostics;
+  const auto prepared = Prepare(plan, {}, Plugins(), diagnostics);
+  EXPECT_NE(prepared, nullptr) << diagnostics.Format();
+  if (prepared == nullptr) return score::Verdict::kBroken;
+  for (const score::Check& check : RunScenario(*prepared, {.out = ""}).checks) {
+    if (check.name == name) return check.verdict;
+  }
+  return score::Verdict::kInconclusive;
+}
+
+TEST(Reduce, KeepsTheFaultAndLittleElse) {
+  const Plan plan = PulledChain();
+  ASSERT_EQ(VerdictOf(plan, "largest T_shaft"), score::Verdict::kFail);
+  const Result<Reduced> reduced = Reduce(plan, Plugins(), {.check = "largest T_shaft"});
+  ASSERT_TRUE(reduced.ok()) << reduced.failure().ToString();
+  const std::string text = ToToml(reduced->plan.root);
+  EXPECT_EQ(VerdictOf(reduced->plan, "largest T_shaft"), score::Verdict::kFail) << text;
+  EXPECT_LE(reduced->runs, 100);
+  EXPECT_LT(static_cast<double>(std::ranges::count(text, '\n')), 0.5 * static_cast<double>(reduced->lines_before))
+      << text;
+  EXPECT_LE(reduced->plan.root.NumberOr("run.duration_s", 1.0), 0.05);
+  // The cause is what pulls: without it nothing fails.
+  EXPECT_NE(reduced->plan.root.FindPath("plant.load.pull"), nullptr) << text;
+  EXPECT_EQ(reduced->plan.root.FindPath("output.w_2"), nullptr) << text;
+  EXPECT_EQ(reduced->plan.root.FindPath("plant.inertia.I3"), nullptr) << "one with I1\n" << text;
+  Plan without = plan;
+  without.root["plant"]["load"].Erase("pull");
+  EXPECT_EQ(VerdictOf(without, "largest T_shaft"), score::Verdict::kPass);
+}
+
+TEST(Reduce, TakesTheWorstWhereNoneIsNamed) {
+  const Result<Reduced> reduced = Reduce(PulledChain(), Plugins(), {.most_runs = 5});
+  ASSERT_TRUE(reduced.ok());
+  EXPECT_EQ(reduced->check, "largest T_shaft");
+  EXPECT_FALSE(reduced->complete);
+  EXPECT_LE(reduced->runs, 5);
+}
+
+TEST(Reduce, SaysWhatFailsWhereTheNameIsWrong) {
+  const Result<Reduced> reduced = Reduce(PulledChain(), Plugins(), {.check = "golden T_shaft"});
+  ASSERT_FALSE(reduced.ok());
+  EXPECT_EQ(reduced.failure().exit_code, 1);
+  EXPECT_THAT(reduced.failure().message, HasSubstr("these fail: largest T_shaft"));
+}
+
+TEST(Reduce, HasNothingToDoWhereAllPasses) {
+  Plan plan = PulledChain();
+  plan.root["check"] = Value(Value::Array{Largest("T_shaft", 1e9)});
+  const Result<Reduced> reduced = Reduce(plan, Plugins(), {});
+  ASSERT_FALSE(reduced.ok());
+  EXPECT_EQ(reduced.failure().exit_code, 1);
+  EXPECT_THAT(reduced.failure().message, HasSubstr("no check fails"));
+}
+
+TEST(Reduce, KeepsARunThatBreaksForTheSameReason) {
+  Plan plan = PulledChain();
+  plan.root["output"]["omega_1"]["sensor"] = Value(Value::Array{Value{{"type", "gain"}, {"gain", 1e308}}});
+  plan.root["input"]["T_airgap"]["source"] = Value{{"type", "constant"}, {"value", 1e12}};
+  const Result<Reduced> reduced = Reduce(plan, Plugins(), {});
+  ASSERT_TRUE(reduced.ok()) << reduced.failure().ToString();
+  EXPECT_EQ(reduced->check, "run");
+  Diagnostics diagnostics;
+  const auto prepared = Prepare(reduced->plan, {}, Plugins(), diagnostics);
+  ASSERT_NE(prepared, nullptr) << diagnostics.Format();
+  EXPECT_THAT(RunScenario(*prepared, {.out = ""}).broken, HasSubstr("omega_1"));
+}
+
+TEST(ReduceMoves, ARigidShaftAddsUpItsInertias) {
+  Value root = testing::LumpedPlan().root;
+  const std::vector<Group> groups = GroupsOf(root, {});
+  const auto bodies = std::ranges::find(groups, "bodies", &Group::what);
+  ASSERT_NE(bodies, groups.end());
+  ASSERT_THAT(bodies->moves, SizeIs(4));
+  EXPECT_EQ(bodies->moves.front().what, "shaft k1 is rigid") << "the stiffest first";
+  const double before = 25.082 + 6.352;
+  Apply({bodies->moves.front()}, root);
+  EXPECT_DOUBLE_EQ(root.NumberOr("plant.inertia.I1", 0.0), before);
+  EXPECT_EQ(root.FindPath("plant.inertia.I2"), nullptr);
+  EXPECT_EQ(root.TextOr("plant.shaft.k2.between.0"), "I1");
+}
+
+TEST(ReduceMoves, ARotorBecomesOneInertia) {
+  Value root = testing::SoftPlan().root;
+  const std::vector<Group> groups = GroupsOf(root, {});
+  const auto rotors = std::ranges::find(groups, "rotors", &Group::what);
+  ASSERT_NE(rotors, groups.end());
+  Apply(rotors->moves, root);
+  EXPECT_DOUBLE_EQ(root.NumberOr("plant.inertia.I1", 0.0), 25.308);
+  EXPECT_EQ(root.FindPath("plant.rotor"), nullptr);
+  EXPECT_EQ(root.FindPath("plant.torque.T_airgap.slices"), nullptr);
+}
+
+TEST(ReduceMoves, ItemsOfAListGoByTheirOwnNumbers) {
+  Value root = Value{{"effect", Value(Value::Array{Value{{"name", "a"}}, Value{{"name", "b"}}, Value{{"name", "c"}}})}};
+  const std::vector<Group> groups = GroupsOf(root, {});
+  const auto group = std::ranges::find(groups, "signals, effects and checks", &Group::what);
+  ASSERT_NE(group, groups.end());
+  Apply({group->moves[0], group->moves[2]}, root);
+  ASSERT_THAT(root.Find("effect")->array(), SizeIs(1));
+  EXPECT_EQ(root.TextOr("effect.0.name"), "b");
+}
+
+TEST(ReduceMoves, RoundsToDigits) {
+  EXPECT_EQ(Rounded(25.082, 2), 25.0);
+  EXPECT_EQ(Rounded(-0.0123456, 3), -0.0123);
+  EXPECT_EQ(Rounded(6.28e6, 1), 6e6);
+}
+
+}  // namespace
+}  // namespace dynoproof::reduce
