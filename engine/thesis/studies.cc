@@ -14,6 +14,7 @@
 #include "thesis/descriptions.h"
 #include "thesis/distributed.h"
 #include "thesis/eigen_derivatives.h"
+#include "thesis/machine_studies.h"
 #include "thesis/parametrisation.h"
 #include "thesis/pressure_studies.h"
 #include "thesis/speed_loop.h"
@@ -349,6 +350,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
     auto merged = SuppressionStudies();
     merged.merge(PressureStudies());
     merged.merge(PrintedStudies());
+    merged.merge(MachineStudies());
     merged.merge(SlipStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;
