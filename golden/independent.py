@@ -302,11 +302,12 @@ class MachineLoop:
     """The same line under the induction machine of Table 2.7 and its field-oriented control, linear about standstill.
 
     The machine by its plate (slip 1 %, efficiency 95 %, magnetising share 0.35 assumed), in the stator's frame with the
-    rotor flux along the real axis: what makes torque are the imaginary parts of current and flux. `kept` undamped modes."""
+    rotor flux along the real axis: what makes torque are the imaginary parts of current and flux. `kept` undamped modes; `at_once`: the voltage acts in the period in
+    which it is computed."""
 
     T_d = 1e-4
 
-    def __init__(self, bandwidth_hz, I5=0.081, kept=72):
+    def __init__(self, bandwidth_hz, I5=0.081, kept=72, at_once=False):
         torque, speed, volts, amperes, p, slip, share = 3200.0, 117.6, 400.0, 715.0, 3, 0.01, 0.35
         peak, nu = math.sqrt(2.0) * amperes, p * speed / (1.0 - slip)
         self.i_d = share * peak
@@ -319,7 +320,7 @@ class MachineLoop:
             self.R_s * self.i_d - nu * L * i_q, self.R_s * i_q + nu * (L + L_M) * self.i_d
         ) - math.sqrt(2.0 / 3.0) * volts
         self.L = bisect(need, 0.0, L_M)
-        self.W, self.p = TURN * bandwidth_hz, p
+        self.W, self.p, self.at_once = TURN * bandwidth_hz, p, at_once
 
         masses, edges, weights = soft(4.813, 8.90e6, 28.4, 70, [0.137, I5], [5.76e6, 6.37e6], [5.5, 125.1], 5, 67)
         scale = 1.0 / np.sqrt(np.array(masses))
@@ -364,10 +365,10 @@ class MachineLoop:
         turning = self.p * speed + self.R_R / self.psi * i_q
         error = -k_V * u / (1.5 * self.p * self.psi) - i_q
         S[:n, :n] = self.A
-        S[:n] += np.outer(self.B, E[voltage])
         S[integral] = E[integral] + self.T_d * self.W * self.R_s * error
         S[voltage] = self.W * self.L * error + E[integral] + turning * (self.psi + self.L * self.i_d)
-        S[voltage] += self.R_s * self.i_d * (E[angle] + 1.5 * self.T_d * turning)
+        S[voltage] += self.R_s * self.i_d * (E[angle] + (0.5 if self.at_once else 1.5) * self.T_d * turning)
+        S[:n] += np.outer(self.B, S[voltage] if self.at_once else E[voltage])
         S[angle] = E[angle] + self.T_d * turning
         z = np.linalg.eigvals(S)
         s = np.log(z[abs(z) > 1e-6]) / self.T_d
@@ -400,6 +401,14 @@ def machine(v):
     v["5.6-machine-300"] = MachineLoop(300.0, kept=9).held(9.7, (606.0, 828.0))
     v["5.6-bandwidth-second"] = bisect(lambda W: MachineLoop(W, kept=9).modes(9.7)[1][0], 100.0, 200.0, 12)
     v["5.6-bandwidth-quiet"] = bisect(lambda W: MachineLoop(W, 0.311, kept=9).modes(1.0)[0][0], 100.0, 200.0, 12)
+    v["5.6-at-once-second"] = bisect(lambda W: MachineLoop(W, kept=9, at_once=True).modes(9.7)[1][0], 100.0, 200.0, 12)
+    v["5.6-at-once-quiet"] = bisect(lambda W: MachineLoop(W, 0.311, 9, True).modes(1.0)[0][0], 100.0, 200.0, 12)
+    v["5.6-at-once-held-flange"] = bisect(lambda W: MachineLoop(W, 0.311, 9, True).held(4.5, (445.0, 440.0)), 100.0, 200.0, 10)
+    common, lagging = Loop(0.081, 1.15e-3), Loop(0.311, 1.15e-3)
+    v["5.6-common-lag-two"] = common.growing(9.7)
+    v["5.6-common-lag-filtered"] = common.growing(9.7, (831.76, 606.53))
+    v["5.6-common-lag-quiet"], v["5.6-common-lag-loud"] = lagging.growing(1.0), lagging.growing(4.5)
+    v["5.6-common-lag-held"] = lagging.growing(4.5, (444.59, 440.16))
     v["5.6-bandwidth-held"] = bisect(lambda W: MachineLoop(W, kept=9).held(9.7, (606.0, 828.0)), 200.0, 250.0, 9)
     v["5.6-bandwidth-held-flange"] = bisect(lambda W: MachineLoop(W, 0.311, kept=9).held(4.5, (443.0, 438.0)), 100.0, 150.0, 9)
 

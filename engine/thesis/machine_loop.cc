@@ -46,7 +46,7 @@ control10k::TorqueConfig VascatDrive(double current_bandwidth_Hz) {
 }
 
 Result<MachineLoop> MachineLoop::Create(const SuppressionPlant& plant, const control10k::TorqueConfig& drive,
-                                        int delay_samples, double highest_Hz) {
+                                        int delay_samples, double highest_Hz, bool at_once) {
   if (!control10k::IsUsable(drive) || drive.period_s != kPeriod_s || delay_samples < 0) {
     return Failure{"needs a usable drive with a period of 100 us and a delay >= 0", "loop", {}, 2};
   }
@@ -84,6 +84,7 @@ Result<MachineLoop> MachineLoop::Create(const SuppressionPlant& plant, const con
   loop.speed_.head(n) = C.row(1);
   loop.drive_ = drive;
   loop.delay_samples_ = delay_samples;
+  loop.at_once_ = at_once;
   return loop;
 }
 
@@ -97,7 +98,6 @@ Result<std::vector<FilteredLoopMode>> MachineLoop::Modes(
   const auto state = [size](Eigen::Index index) { return Eigen::RowVectorXd::Unit(size, index); };
   Eigen::MatrixXd step = Eigen::MatrixXd::Zero(size, size);
   step.topLeftCorner(n, n) = F_;
-  step.col(next).head(n) = g_;
   Eigen::RowVectorXd signal = Eigen::RowVectorXd::Zero(size), w = signal;
   signal.head(n) = shaft_;
   w.head(n) = speed_;
@@ -111,7 +111,9 @@ Result<std::vector<FilteredLoopMode>> MachineLoop::Modes(
   const Eigen::RowVectorXd error = T_ref / m.TorquePerAmpere(psi) - i_q;
   const Eigen::RowVectorXd u_q = W * m.L_sigma * error + state(integral) + (psi + m.L_sigma * i_d) * nu;
   step.row(integral) = state(integral) + T_d * W * m.R_s * error;
-  step.row(next) = u_q + m.R_s * i_d * (state(theta) + 1.5 * T_d * nu);
+  const Eigen::RowVectorXd u = u_q + m.R_s * i_d * (state(theta) + (at_once_ ? 0.5 : 1.5) * T_d * nu);
+  step.topRows(n) += g_ * (at_once_ ? u : state(next));
+  step.row(next) = u;
   step.row(theta) = state(theta) + T_d * nu;
   Result<std::vector<FilteredLoopMode>> modes = ModesOfStep(step);
   // The angles of the line and of the frame are free: a double eigenvalue 1, which round-off may part into a pair.

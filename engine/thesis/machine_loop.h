@@ -9,6 +9,7 @@
 //   nu = p w + R_R i_q/psi,  e = T_ref/(1.5 p psi) - i_q,  u_q = W L_sigma e + I + nu (psi + L_sigma i_d)
 //   I+ = I + T_d W R_s e,  theta+ = theta + T_d nu,  u+ = u_q + R_s i_d (theta + 1.5 T_d nu)
 //
+// u acts over the period after; with `at_once` it acts over this one, and the angle is turned on by half a period only.
 // The flux-forming current is no part of it: at standstill it neither sees nor makes torque to first order.
 #pragma once
 
@@ -26,10 +27,12 @@ control10k::TorqueConfig VascatDrive(double current_bandwidth_Hz);
 
 class MachineLoop {
  public:
-  /// `delay_samples`: between the core and the current control. Modes of the line above `highest_Hz` are left out, which
+  /// `delay_samples`: between the core and the current control. `at_once`: the voltage acts in the period in which it is
+  /// computed, which the engine's control leaves to the next. Modes of the line above `highest_Hz` are left out, which
   /// makes searches cheap. The field turns with the plant's speed_node; its lag counts for nothing.
   static Result<MachineLoop> Create(const SuppressionPlant& plant, const control10k::TorqueConfig& drive,
-                                    int delay_samples = 0, double highest_Hz = std::numeric_limits<double>::infinity());
+                                    int delay_samples = 0, double highest_Hz = std::numeric_limits<double>::infinity(),
+                                    bool at_once = false);
 
   /// All modes of T_ref = -k_V H_1 .. H_n T_shaft that oscillate, from 1 Hz on, the fastest growing first; without speed
   /// control.
@@ -45,6 +48,7 @@ class MachineLoop {
   Eigen::RowVectorXd speed_;  // w, as measured
   control10k::TorqueConfig drive_;
   int delay_samples_ = 0;
+  bool at_once_ = false;
 };
 
 /// The filters with which the loop is steadiest, as far as a search by steps of 4 to 0.125 Hz from `start_Hz` finds them.
