@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "experiment/prepare.h"
+#include "plugins/plant/induction_machine/rating.h"
 #include "sim/simulate.h"
 #include "sim/solver.h"
 #include "tests/support/registry.h"
@@ -104,6 +106,41 @@ TEST(MachineLoop, NeitherHighModesNorThePlaceOfTheFieldMatter) {
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_NEAR((*of_cut)[i].growth_per_s, (*modes)[i].growth_per_s, 0.01);    // 0.003 is seen
     EXPECT_NEAR((*of_right)[i].growth_per_s, (*modes)[i].growth_per_s, 0.25);  // 0.16 is seen
+  }
+}
+
+TEST(MachineLoop, WhatIsAssumedBehindThePlateHardlyMatters) {
+  struct Assumed {
+    double slip, efficiency, share;
+  };
+  const auto rates = [](const control10k::TorqueConfig& drive) {
+    const auto simulation = MachineLoop::Create(R2RPlant(), drive),
+               flange = MachineLoop::Create(R2RPlant(0.311), drive);
+    const auto modes = simulation->Modes(9.7, {});
+    return std::array{modes->at(0).growth_per_s, modes->at(1).growth_per_s,
+                      flange->Modes(1.0, {})->front().growth_per_s};
+  };
+  const auto ours = rates(VascatDrive(150.0));
+  for (const Assumed& assumed : {Assumed{0.006, 0.95, 0.35},
+                                 {0.015, 0.95, 0.35},
+                                 {0.01, 0.94, 0.35},
+                                 {0.01, 0.965, 0.35},
+                                 {0.01, 0.95, 0.25},
+                                 {0.01, 0.95, 0.45}}) {
+    Rating plate;
+    plate.rated_torque_Nm = 3200.0;
+    plate.rated_speed_rad_per_s = 117.6;
+    plate.rated_voltage_V = 400.0;
+    plate.rated_current_A = 715.0;
+    plate.pole_pairs = 3;
+    plate.slip = assumed.slip;
+    plate.efficiency = assumed.efficiency;
+    plate.magnetising_share = assumed.share;
+    control10k::TorqueConfig drive = VascatDrive(150.0);
+    ASSERT_TRUE(plate.Derive(drive.machine));
+    const auto theirs = rates(drive);
+    // 0.12 is seen; a hertz of bandwidth is 0.2 to 0.5 1/s.
+    for (std::size_t i = 0; i < ours.size(); ++i) EXPECT_NEAR(theirs[i], ours[i], 0.2) << assumed.slip << " " << i;
   }
 }
 
