@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -29,11 +30,12 @@ Result<RunPictures> PicturesOfScenario(const Registry& registry, const std::stri
   return PicturesOf(*prepared);
 }
 
-/// "5.19" as chapter and number within it; zeros for other words.
-std::pair<int, int> Parse(const std::string& number) {
-  int chapter = 0, figure = 0;
-  if (std::sscanf(number.c_str(), "%d.%d", &chapter, &figure) != 2) return {0, 0};
-  return {chapter, figure};
+/// "5.19", "B.2" as chapter and number within it; zeros for other words.
+std::pair<char, int> Parse(const std::string& number) {
+  char chapter = 0;
+  int within = 0;
+  if (std::sscanf(number.c_str(), "%c.%d", &chapter, &within) != 2) return {0, 0};
+  return {chapter, within};
 }
 
 /// Puts the pictures of a figure's scenario number `i` into their places.
@@ -99,26 +101,36 @@ void ShareOrdinate(std::span<Picture> pictures) {
 
 }  // namespace
 
-bool Names(const std::string& place, const std::string& number) {
-  const std::pair<int, int> wanted = Parse(number);
-  std::size_t at = place.find("Fig");
-  if (wanted.first == 0 || at == std::string::npos) return false;
-  // Figures follow "Fig." or "Figs." up to another kind of place; "5.18-5.20" is a range.
-  std::pair<int, int> last = {0, 0};
-  while (at < place.size()) {
-    if (place.compare(at, 3, "Sec") == 0 || place.compare(at, 3, "Tab") == 0 || place[at] == '(') break;
-    if (!std::isdigit(static_cast<unsigned char>(place[at]))) {
+std::vector<std::string> NumbersIn(const std::string& place, const std::string& kind) {
+  constexpr std::array kKinds = {"Fig", "Table", "Sec", "App", "footnote"};
+  std::vector<std::string> numbers;
+  std::pair<char, int> last = {0, 0};
+  bool wanted = false;
+  for (std::size_t at = 0; at < place.size();) {
+    // Numbers belong to the last kind of place that was named; an equation, "(2.111)", ends it.
+    for (const std::string word : kKinds) {
+      if (place.compare(at, word.size(), word) == 0) wanted = word == kind;
+    }
+    const bool begins = at == 0 || !std::isalnum(static_cast<unsigned char>(place[at - 1]));
+    if (place[at] == '(' && begins) wanted = false;
+    const std::pair<char, int> found = wanted && begins ? Parse(place.substr(at)) : std::pair<char, int>{0, 0};
+    if (found.first == 0) {
       ++at;
       continue;
     }
-    const std::size_t end = std::min(place.find_first_not_of("0123456789.", at), place.size());
-    const std::pair<int, int> found = Parse(place.substr(at, end - at));
-    if (found == wanted) return true;
-    if (last.first > 0 && place[at - 1] == '-' && last <= wanted && wanted <= found) return true;
+    const bool range = !numbers.empty() && place[at - 1] == '-' && last.first == found.first;
+    for (int n = range ? last.second + 1 : found.second; n <= found.second; ++n) {
+      numbers.push_back(fmt::format("{}.{}", found.first, n));
+    }
     last = found;
-    at = end;
+    at = std::min(place.find_first_not_of("0123456789", at + 2), place.size());
   }
-  return false;
+  return numbers;
+}
+
+bool Names(const std::string& place, const std::string& number) {
+  const std::vector<std::string> numbers = NumbersIn(place, "Fig");
+  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
 }
 
 std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagnostics) {

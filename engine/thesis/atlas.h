@@ -29,7 +29,10 @@ struct AtlasFigure {
 /// All figures of the file; faults (a number twice, a scenario that does not exist) become diagnostics.
 std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagnostics);
 
-/// Whether a place of the ledger ("Figs. 3.6, 3.7", "Sec. 5.6.1, Fig. 5.19") names the figure; ranges count.
+/// What a place of the ledger names of a kind, "Fig" or "Table", in order: "Figs. 5.21-5.23, Table A.7" names the figures
+/// 5.21, 5.22 and 5.23 and the table A.7. Sections, equations and panels, "2.11(b)", are left out.
+std::vector<std::string> NumbersIn(const std::string& place, const std::string& kind);
+/// Whether such a place names the figure.
 bool Names(const std::string& place, const std::string& number);
 
 /// A figure with its pictures, scenario by scenario for each key, or one for each key with all scenarios in it. `fault`

@@ -52,6 +52,12 @@ TEST(Atlas, PlacesNameFigures) {
   EXPECT_FALSE(Names("Sec. 3.6", "3.6"));
   EXPECT_FALSE(Names("Fig. 5.1", "5.19"));
   EXPECT_FALSE(Names("Fig. 2.4, Sec. 3.6", "3.6"));
+  EXPECT_TRUE(Names("App. B, Fig. B.2", "B.2"));
+  EXPECT_EQ(NumbersIn("Figs. 2.11(b), 2.32(b), Table A.5, (2.111)", "Fig"), (std::vector<std::string>{"2.11", "2.32"}));
+  EXPECT_EQ(NumbersIn("Sec. 2.2.7, Tables 2.1, A.5, Figs. 5.21-5.23", "Table"),
+            (std::vector<std::string>{"2.1", "A.5"}));
+  EXPECT_EQ(NumbersIn("Figs. 5.21-5.23", "Fig"), (std::vector<std::string>{"5.21", "5.22", "5.23"}));
+  EXPECT_TRUE(NumbersIn("footnote 3 of chapter 5, App. D", "Fig").empty());
 }
 
 TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {

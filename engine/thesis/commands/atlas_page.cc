@@ -103,6 +103,59 @@ std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>&
   return html + "</section>\n";
 }
 
+/// "2.4, 2.11, 2.18" as links to the figures of this page.
+std::string FigureLinks(const std::vector<std::string>& numbers) {
+  std::string links;
+  for (const std::string& number : numbers) {
+    links += fmt::format("{}<a href=\"#{}\">Fig. {}</a>", links.empty() ? "" : ", ", Anchor("fig-" + number),
+                         Escape(number));
+  }
+  return links;
+}
+
+std::string CoverageRowHtml(CoverageRow row) {
+  const std::string links = FigureLinks(row.figures), place = row.place;
+  row.figures.clear();  // they stand as links
+  const std::string others = row.CoveredBy();
+  const std::string key = fmt::format("{}{}<div class=\"verdict {}\">{}</div>", Escape(row.name),
+                                      place.empty() ? "" : fmt::format("<div class=\"note\">{}</div>", Escape(place)),
+                                      row.state, row.state);
+  return Row(std::vector<Cell>{
+      {key, "key"},
+      {fmt::format("<strong>{}</strong>{}", Escape(row.title),
+                   row.reason.empty() ? "" : fmt::format("<div>{}</div>", Escape(row.reason))),
+       "text"},
+      {fmt::format("{}{}{}", links, links.empty() || others.empty() ? "" : "; ", Escape(others)), "wide"}});
+}
+
+/// How much of the thesis is here: counts by kind, and every row in a part of its own that is closed at first.
+std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
+  if (rows.empty()) return "";
+  const std::vector<std::string> states = CoverageRow::States();
+  std::vector<Cell> heads = {{"part"}};
+  for (const std::string& state : states) heads.push_back({state, "number"});
+  std::string counts, parts;
+  for (const std::string& kind : CoverageRow::Kinds()) {
+    const std::vector<int> count = CountStates(rows, kind);
+    const std::string id = Anchor("coverage-" + kind);
+    std::vector<Cell> line = {{fmt::format("<a href=\"#{}\">{}s</a>", id, kind)}};
+    for (std::size_t i = 0; i < states.size(); ++i)
+      line.push_back({fmt::format("{}", count[i]), "number " + states[i]});
+    counts += Row(line);
+    std::string lines;
+    for (const CoverageRow& row : rows) lines += row.kind == kind ? CoverageRowHtml(row) : "";
+    parts += fmt::format(
+        "<details class=\"part\" id=\"{}\"><summary><h2>All {}s of the thesis</h2></summary>\n{}</details>\n", id, kind,
+        Table(std::vector<Cell>{{"name, place, state"}, {"what it is, and why it is not whole"}, {"covered by"}},
+              lines));
+  }
+  return "<section id=\"coverage\"><h2>What of the thesis is here</h2>\n"
+         "<p class=\"note\">whole: computed from what the thesis prints; assumed: the same with data that it does not "
+         "print; partial: something is not computed, cannot be compared or comes out otherwise; missing: nothing of it "
+         "is here.</p>\n" +
+         Table(heads, counts) + parts + "</section>\n";
+}
+
 }  // namespace
 
 std::string ChapterOf(const Claim& claim) {
@@ -111,7 +164,8 @@ std::string ChapterOf(const Claim& claim) {
   return std::string(id.substr(0, id.find_first_of(".-")));
 }
 
-std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures) {
+std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures,
+                      const std::vector<CoverageRow>& coverage) {
   struct Chapter {
     std::string rows, figures;
     std::array<int, kStandings> counts = {};
@@ -158,7 +212,7 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
                               : fmt::format("atlas of the thesis: {} claims otherwise than expected", unexpected),
               lead, reports::BuildLine(),
               "<section id=\"overview\"><h2>Claims by chapter</h2>\n" + Table(StandingHeads(), contents) +
-                  "</section>\n" + parts);
+                  "</section>\n" + CoverageHtml(coverage) + parts);
 }
 
 }  // namespace dynoproof::reports
