@@ -15,6 +15,7 @@
 
 #include "scenario/find.h"
 #include "scenario/load.h"
+#include "thesis/drawings.h"
 
 namespace dynoproof {
 namespace {
@@ -38,6 +39,21 @@ std::pair<char, int> Parse(const std::string& number) {
   return {chapter, within};
 }
 
+/// Leaves the figure's curves in the picture, in the figure's order. Returns the label that the picture does not have.
+std::string Keep(const AtlasFigure& figure, Picture& picture) {
+  if (figure.curves.empty()) return "";
+  std::vector<Curve> kept;
+  for (const std::string& label : figure.curves) {
+    const auto found = std::find_if(picture.curves.begin(), picture.curves.end(),
+                                    [&](const Curve& one) { return one.label == label; });
+    if (found == picture.curves.end()) return label;
+    kept.push_back(std::move(*found));
+    kept.back().shown = true;
+  }
+  picture.curves = std::move(kept);
+  return "";
+}
+
 /// Puts the pictures of a figure's scenario number `i` into their places.
 void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
   const AtlasFigure& figure = drawn.figure;
@@ -52,6 +68,10 @@ void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
     if (!figure.overlay) {
       Picture& place = drawn.pictures[k * figure.scenarios.size() + i];
       place = *found;
+      if (const std::string absent = Keep(figure, place); !absent.empty())
+        drawn.fault = fmt::format("\"{}\" of {} has no curve \"{}\"", found->key, figure.scenarios[i], absent);
+      if (std::isfinite(figure.from)) place.x.from = figure.from;
+      if (std::isfinite(figure.to)) place.x.to = figure.to;
       if (figure.scenarios.size() > 1) place.title = label + ": " + place.title;
       continue;
     }
@@ -152,6 +172,15 @@ std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagn
       if (!std::filesystem::exists(FileOf(scenario)))
         diagnostics.Error(figure.where, fmt::format("there is no scenario \"{}\"", scenario), "see: dynoproof list");
     }
+    for (const std::string& drawing : figure.drawings) {
+      if (!Drawings().contains(drawing))
+        diagnostics.Error(figure.where, fmt::format("there is no drawing \"{}\"", drawing));
+    }
+    if (figure.scenarios.empty() != figure.pictures.empty() || (figure.scenarios.empty() && figure.drawings.empty()))
+      diagnostics.Error(figure.where, "needs scenarios with pictures, or drawings");
+    if (figure.overlay && (!figure.curves.empty() || std::isfinite(figure.from) || std::isfinite(figure.to)))
+      diagnostics.Error(figure.where, "an overlay keeps all curves and its whole abscissa",
+                        "leave out curves, from, to");
     if (!figure.labels.empty() && figure.labels.size() != figure.scenarios.size())
       diagnostics.Error(figure.where, "needs as many labels as scenarios, or none");
     figures.push_back(std::move(figure));
@@ -185,9 +214,16 @@ std::vector<DrawnFigure> Draw(const Registry& registry, const std::vector<AtlasF
   }
   for (DrawnFigure& one : drawn) {
     const std::size_t setups = one.figure.scenarios.size();
-    if (one.figure.overlay || setups < 2) continue;
-    for (std::size_t k = 0; k < one.figure.pictures.size(); ++k)
+    for (std::size_t k = 0; !one.figure.overlay && setups > 1 && k < one.figure.pictures.size(); ++k)
       ShareOrdinate(std::span(one.pictures).subspan(k * setups, setups));
+    for (const std::string& name : one.figure.drawings) {
+      Result<Picture> drawing = Drawings().at(name)(registry);
+      if (drawing.ok()) {
+        one.pictures.push_back(std::move(*drawing));
+      } else {
+        one.fault = drawing.failure().ToString();
+      }
+    }
   }
   return drawn;
 }

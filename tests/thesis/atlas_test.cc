@@ -91,6 +91,47 @@ TEST(Atlas, SetupsSideBySideShareTheirOrdinate) {
   }
 }
 
+TEST(Atlas, AFigureKeepsTheCurvesItNamesAndNoOther) {
+  AtlasFigure figure;
+  figure.number = "3.1";
+  figure.scenarios = {"backlash/clamped"};
+  figure.pictures = {"time:omega_7"};
+  const std::vector<DrawnFigure> all = Draw(testing::FullRegistry(), {figure});
+  ASSERT_EQ(all[0].fault, "");
+  ASSERT_GT(all[0].pictures[0].curves.size(), 1u);
+  figure.curves = {all[0].pictures[0].curves[1].label};
+  figure.from = 0.01;
+  figure.to = 0.04;
+  const std::vector<DrawnFigure> one = Draw(testing::FullRegistry(), {figure});
+  EXPECT_EQ(one[0].fault, "");
+  ASSERT_EQ(one[0].pictures[0].curves.size(), 1u);
+  EXPECT_EQ(one[0].pictures[0].curves[0].label, figure.curves[0]);
+  EXPECT_TRUE(one[0].pictures[0].curves[0].shown);
+  EXPECT_EQ(one[0].pictures[0].x.from, 0.01);
+  EXPECT_EQ(one[0].pictures[0].x.to, 0.04);
+  figure.curves = {"nobody"};
+  EXPECT_THAT(Draw(testing::FullRegistry(), {figure})[0].fault, ::testing::HasSubstr("no curve \"nobody\""));
+}
+
+TEST(Atlas, ADrawingNeedsNoScenario) {
+  const test::TempDir folder;
+  const auto read = [&folder](const std::string& body, Diagnostics& diagnostics) {
+    return ReadFigures(folder.Write("f.toml", "[[figure]]\nnumber = \"D.1\"\ntitle = \"t\"\n" + body).string(),
+                       diagnostics);
+  };
+  Diagnostics good, unknown, none;
+  const std::vector<AtlasFigure> figures = read("drawings = [\"notch_poles\"]\n", good);
+  ASSERT_FALSE(good.has_errors()) << good.Format();
+  const std::vector<DrawnFigure> drawn = Draw(testing::FullRegistry(), figures);
+  EXPECT_EQ(drawn[0].fault, "");
+  ASSERT_EQ(drawn[0].pictures.size(), 1u);
+  EXPECT_EQ(drawn[0].pictures[0].key, "notch_poles");
+  read("drawings = [\"nothing\"]\n", unknown);
+  EXPECT_THAT(unknown.Format(), ::testing::HasSubstr("no drawing \"nothing\""));
+  read("", none);
+  EXPECT_THAT(none.Format(), ::testing::HasSubstr("needs scenarios with pictures, or drawings"));
+}
+
 TEST(Settings, TellWhatWasGivenWhereAndWhatWasNot) {
   const auto prepared = Shipped("suppression/adaptive.toml", {"plant.inertia.I5=0.1"});
   std::map<std::string, Setting> settings;
