@@ -18,6 +18,7 @@
 #include "thesis/pressure_studies.h"
 #include "thesis/speed_loop.h"
 #include "thesis/studies_backlash.h"
+#include "thesis/studies_formulas.h"
 #include "thesis/studies_printed.h"
 #include "thesis/studies_runs.h"
 #include "thesis/studies_slips.h"
@@ -161,25 +162,38 @@ Result<RotorWithOscillator> ReadRotor(const Value& parameters) {
   return RotorWithOscillator{values[0], values[1], {values[3], values[2]}};
 }
 
-Result<Figure> First(const Result<std::vector<double>>& frequencies) {
+/// The frequency number `mode` of the claim, the first where it names none.
+Result<Figure> Chosen(const Result<std::vector<double>>& frequencies, const Value& parameters) {
   if (!frequencies.ok()) return frequencies.failure();
-  if (frequencies->empty()) return Wrong("no eigenfrequency in the range");
-  return Figure{frequencies->front(), "Hz"};
+  const double mode = parameters.NumberOr("mode", 1.0);
+  if (mode < 1.0 || mode > static_cast<double>(frequencies->size()))
+    return Wrong(fmt::format("mode {} of {}", mode, frequencies->size()));
+  return Figure{(*frequencies)[static_cast<std::size_t>(mode) - 1], "Hz"};
 }
 
-/// Lowest eigenfrequency of the distributed rotor with an oscillator, exact transcendental equation.
+/// An eigenfrequency of the distributed rotor with an oscillator, exact transcendental equation.
 Result<Figure> RotorExact(const Registry&, const Value& parameters) {
   const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
   if (!rotor.ok()) return rotor.failure();
-  return First(
-      mechanics::ExactEigenfrequencies({rotor->inertia, rotor->stiffness, 0.0, 0.0, {rotor->oscillator}}, 2000.0));
+  return Chosen(
+      mechanics::ExactEigenfrequencies({rotor->inertia, rotor->stiffness, 0.0, 0.0, {rotor->oscillator}}, 2000.0),
+      parameters);
 }
 
 /// The same by the heuristic (B.4).
 Result<Figure> RotorHeuristic(const Registry&, const Value& parameters) {
   const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
   if (!rotor.ok()) return rotor.failure();
-  return First(mechanics::HeuristicEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator, 2000.0));
+  return Chosen(mechanics::HeuristicEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator, 2000.0),
+                parameters);
+}
+
+/// The same by (2.111), the oscillator's inertia pinned to the rotor.
+Result<Figure> RotorPlain(const Registry&, const Value& parameters) {
+  const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
+  if (!rotor.ok()) return rotor.failure();
+  return Chosen(mechanics::SpatialEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator.inertia, 2000.0),
+                parameters);
 }
 
 /// The same with the rotor cut into `slices`.
@@ -335,6 +349,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"rotor_formula_gap", RotorFormulaGap},
       {"rotor_in_thirds", RotorInThirds},
       {"rotor_heuristic", RotorHeuristic},
+      {"rotor_plain", RotorPlain},
       {"rotor_sliced", RotorSliced},
       {"scenario_figure", ScenarioFigure},
       {"slice_order", SliceOrder},
@@ -349,6 +364,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
     auto merged = SuppressionStudies();
     merged.merge(PressureStudies());
     merged.merge(PrintedStudies());
+    merged.merge(FormulaStudies());
     merged.merge(SlipStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;
