@@ -1,4 +1,5 @@
-// Figures of the thesis that show a formula or a model rather than a run: the atlas draws them from here.
+// Figures of the thesis that no scenario shows: formulas, models, and runs made for the figure. The atlas draws them from
+// here.
 #pragma once
 
 #include <map>

@@ -6,6 +6,7 @@
 #include <complex>
 #include <numbers>
 
+#include "control10k/core.h"
 #include "control10k/notch.h"
 #include "linear/modes.h"
 #include "linear/zeros.h"
@@ -145,10 +146,59 @@ Result<Picture> NotchPoles(const Registry&) {
   return picture;
 }
 
+/// A loop in which something swings, and what becomes of it when a filter is put on its frequency at 0.3 s (Fig. E.1).
+struct Swinging {
+  std::string key, title, note;
+  double I5, k_V, notch_Hz, load_Nm;  // load: a tone at notch_Hz
+};
+Result<Picture> Filtered(const Swinging& swinging) {
+  constexpr double kFilter_s = 0.3, kEnd_s = 0.9, kKick_Nm = 50.0, kKick_s = 1e-3;
+  control10k::CoreConfig config;
+  config.speed = {20.0, 20.0, 4000.0};  // as scenarios/suppression
+  Result<SuppressionLoop> made = SuppressionLoop::Create(R2RPlant(swinging.I5), config);
+  if (!made.ok()) return made.failure();
+  Picture picture{.key = swinging.key,
+                  .title = swinging.title,
+                  .note = swinging.note,
+                  .x = {"time", "s"},
+                  .y = {"T_shaft", "N m", false, -2700.0, 2700.0}};  // one ordinate for both
+  picture.marks.push_back({kFilter_s, "filter on"});
+  Curve curve{"T_shaft", {}, {}};
+  for (int n = 0; n * kPeriod_s < kEnd_s; ++n) {
+    const double t = n * kPeriod_s;
+    if (n == static_cast<int>(kFilter_s / kPeriod_s)) {
+      control10k::Notch& notch = made->core_state().suppression.notch[0];
+      if (!notch.Retune(kTurn * swinging.notch_Hz * kPeriod_s, 0.995, made->T_shaft_Nm()))
+        return Failure{.message = "no notch filter", .signal = swinging.key, .exit_code = 2};
+    }
+    // A short kick begins what the loop makes of itself.
+    const double load = (t < kKick_s ? kKick_Nm : 0.0) + swinging.load_Nm * std::sin(kTurn * swinging.notch_Hz * t);
+    made->Step(load, 0.0, swinging.k_V, false);
+    curve.x.push_back(t);
+    curve.y.push_back(made->T_shaft_Nm());
+  }
+  picture.curves.push_back(std::move(curve));
+  return picture;
+}
+Result<Picture> FilterOnResonance(const Registry&) {
+  return Filtered({"filter_on_resonance", "A filter on an oscillation of the loop",
+                   "first test flange, k_V = 4.3, unstable at 535.7 Hz, filter at 534 Hz, r = 0.995", 0.171, 4.3, 534.0,
+                   0.0});
+}
+Result<Picture> FilterOnExcitation(const Registry&) {
+  return Filtered({"filter_on_excitation", "A filter on an oscillation from outside",
+                   "no flange, k_V = 2.1, a load of 1 kN m at 450 Hz, filter there, r = 0.995", 0.081, 2.1, 450.0,
+                   1000.0});
+}
+
 }  // namespace
 
 DrawingTable LoopDrawings() {
-  return {{"loop_gains", LoopGains}, {"loop_phases", LoopPhases}, {"notch_poles", NotchPoles}};
+  return {{"filter_on_excitation", FilterOnExcitation},
+          {"filter_on_resonance", FilterOnResonance},
+          {"loop_gains", LoopGains},
+          {"loop_phases", LoopPhases},
+          {"notch_poles", NotchPoles}};
 }
 
 }  // namespace dynoproof

@@ -119,6 +119,24 @@ TEST(Drawings, OnlyTheActuatorOrAShiftedTorqueTurnsThePhaseTo180Degrees) {
       std::ranges::none_of(picture.curves, [](const Curve& c) { return c.label == "zeros, 3: slices 1 to 18"; }));
 }
 
+/// Largest value in a stretch of time.
+double Peak(const Curve& curve, double from_s, double to_s) {
+  double peak = 0.0;
+  for (std::size_t i = 0; i < curve.x.size(); ++i) {
+    if (curve.x[i] >= from_s && curve.x[i] < to_s) peak = std::max(peak, std::abs(curve.y[i]));
+  }
+  return peak;
+}
+
+TEST(Drawings, AFilterEndsAnOscillationOfTheLoopAndLeavesOneFromOutside) {
+  const Picture resonance = Drawn("filter_on_resonance"), excitation = Drawn("filter_on_excitation");
+  const Curve &own = Labelled(resonance, "T_shaft"), &foreign = Labelled(excitation, "T_shaft");
+  EXPECT_GT(Peak(own, 0.25, 0.3), 500.0);
+  EXPECT_LT(Peak(own, 0.8, 0.9), 0.05 * Peak(own, 0.25, 0.3));
+  EXPECT_GT(Peak(foreign, 0.25, 0.3), 100.0);
+  EXPECT_GT(Peak(foreign, 0.8, 0.9), 0.5 * Peak(foreign, 0.25, 0.3));
+}
+
 TEST(Drawings, NotchHasItsZerosOnTheUnitCircleAndItsPolesWithin) {
   const Picture picture = Drawn("notch_poles");
   const double angle = 2.0 * std::numbers::pi * 832.0 * 1e-4;

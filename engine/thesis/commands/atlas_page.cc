@@ -86,8 +86,8 @@ std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>&
   std::string html = fmt::format("<section id=\"{}\"><h3>Fig. {}: {}</h3>\n", Anchor("fig-" + figure.number),
                                  Escape(figure.number), Escape(figure.title));
   if (!figure.shows.empty()) html += fmt::format("<p>{}</p>\n", Escape(figure.shows));
-  const std::string ours =
-      figure.scenarios.empty() ? "a formula, no run" : fmt::format("{}", fmt::join(figure.scenarios, ", "));
+  const std::string ours = figure.scenarios.empty() ? "computed for this figure alone"
+                                                    : fmt::format("{}", fmt::join(figure.scenarios, ", "));
   html += fmt::format("<p class=\"source\">ours: {}{}{}</p>\n", Escape(ours),
                       figure.missing.empty() ? "" : "; not to be compared: ", Escape(figure.missing));
   std::string claimed;
