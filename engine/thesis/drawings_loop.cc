@@ -166,7 +166,7 @@ Result<Picture> Filtered(const Swinging& swinging) {
   Curve curve{"T_shaft", {}, {}};
   for (int n = 0; n * kPeriod_s < kEnd_s; ++n) {
     const double t = n * kPeriod_s;
-    if (n == static_cast<int>(kFilter_s / kPeriod_s)) {
+    if (n == static_cast<int>(std::lround(kFilter_s / kPeriod_s))) {
       control10k::Notch& notch = made->core_state().suppression.notch[0];
       if (!notch.Retune(kTurn * swinging.notch_Hz * kPeriod_s, 0.995, made->T_shaft_Nm()))
         return Failure{.message = "no notch filter", .signal = swinging.key, .exit_code = 2};

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "experiment/run_scenario.h"
 #include "reports/html.h"
@@ -52,17 +53,18 @@ std::string ClaimRow(const ClaimResult& result) {
   std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
   if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
   const std::string allowed = AllowedText(claim);
-  // Name, place and standing below one another: the sentence needs the width.
+  // Name, place and standing below one another, limit and deviation too: the sentence needs the width.
   const std::string name = fmt::format("{}<div class=\"note\">{}</div><div class=\"verdict {}\">{}</div>",
                                        Escape(claim.id), Escape(claim.place), standing, Escape(says));
+  const std::string unit = claim.unit == "1" || !result.ours ? "" : " " + Escape(claim.unit);
+  std::string limit = allowed.empty() ? "–" : Escape(allowed);
+  if (std::isfinite(deviation)) limit += fmt::format("<div class=\"note\">{:+.3g}</div>", deviation);
   return Row(std::vector<Cell>{{name, "key"},
                                {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "text"},
                                {Number(claim.thesis), "number"},
                                {Number(claim.independent), "number"},
-                               {Number(ours), "number"},
-                               {allowed.empty() ? "–" : Escape(allowed), "number"},
-                               {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
-                               {Escape(claim.unit == "1" ? "" : claim.unit)}});
+                               {Number(ours) + unit, "number"},
+                               {limit, "number"}});
 }
 
 /// What the thesis says of it and what comes out here, in one line.
@@ -138,6 +140,7 @@ std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
   std::string counts, parts;
   for (const std::string& kind : CoverageRow::Kinds()) {
     const std::vector<int> count = CountStates(rows, kind);
+    if (std::accumulate(count.begin(), count.end(), 0) == 0) continue;  // the page of one claim has a few rows only
     const std::string id = Anchor("coverage-" + kind);
     std::vector<Cell> line = {{fmt::format("<a href=\"#{}\">{}s</a>", id, kind)}};
     for (std::size_t i = 0; i < states.size(); ++i)
@@ -146,7 +149,7 @@ std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
     std::string lines;
     for (const CoverageRow& row : rows) lines += row.kind == kind ? CoverageRowHtml(row) : "";
     parts += fmt::format(
-        "<details class=\"part\" id=\"{}\"><summary><h2>All {}s of the thesis</h2></summary>\n{}</details>\n", id, kind,
+        "<details class=\"part\" id=\"{}\"><summary><h2>Row by row: {}s</h2></summary>\n{}</details>\n", id, kind,
         Table(std::vector<Cell>{{"name, place, state"}, {"what it is, and why it is not whole"}, {"covered by"}},
               lines));
   }
@@ -200,9 +203,7 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
                                        {"thesis says", "number"},
                                        {"independent", "number"},
                                        {"ours", "number"},
-                                       {"allowed", "number"},
-                                       {"deviation", "number"},
-                                       {"unit"}},
+                                       {"allowed, deviation", "number"}},
                      chapter.rows);
     }
     parts += chapter.figures + "</details>\n";
