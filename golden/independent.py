@@ -201,6 +201,7 @@ def backlash(v):
     v["3-rigid-impact"] = 1e3 * math.sqrt(2.0 * way * J)
     t = bisect(lambda t: (t - J / c_f * (1.0 - math.exp(-c_f * t / J))) / c_f - way, 1e-3, 1.0)
     v["3-rigid-impact-damped"], v["3-rigid-speed-damped"] = 1e3 * t, (1.0 - math.exp(-c_f * t / J)) / c_f
+    v["3.4-either"] = 1.0 - 100.0 * 0.5 / 15e3 / math.radians(5.5)
     v["3-footnote-2"] = math.sqrt(1e6 / (0.0019 / 3.0)) / TURN
 
 

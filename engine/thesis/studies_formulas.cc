@@ -6,6 +6,11 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "scenario/find.h"
+#include "scenario/load.h"
 
 namespace dynoproof {
 namespace {
@@ -135,17 +140,76 @@ Result<Figure> NotchGainUndefined(const Registry&, const Value&) {
   return Figure{static_cast<double>(undefined), "1"};
 }
 
+/// The angle at the gap over alpha at which A+ of (3.4) first counts as contact, on the way from the left side at a
+/// constant 100 rad/s, when both lines of its brace have to hold, or either. Table C.2.
+Result<Figure> FirstContact(const Registry&, const Value& parameters) {
+  const bool either = parameters.TextOr("lines") == "either";
+  constexpr double k = 15e3, c = 0.5, alpha = 0.09599310885968812, rate = 100.0;
+  const double start = -alpha - c / k * rate;  // where the torque of the left contact vanishes
+  for (double t = 0.0; t < 1.0; t += 1e-8) {
+    const double phi_d = start + rate * t;
+    // (3.6) without contact-free damping: phi_b follows phi_d with the time constant c/k.
+    const double phi_b = phi_d + c / k * rate * std::exp(-k / c * t);
+    const bool first = phi_b >= alpha, second = k * (phi_d - alpha) + c * rate >= 0.0;
+    if (either ? first || second : first && second) return Figure{phi_b / alpha, "1"};
+  }
+  return Figure{0.0, "1"};
+}
+
+/// How many samples the sums of (5.14) take, k = 0 ... M.
+Result<Figure> BandPassTerms(const Registry&, const Value& parameters) {
+  int terms = 0;
+  for (int k = 0; k <= static_cast<int>(parameters.NumberOr("M", 0.0)); ++k) ++terms;
+  return Figure{static_cast<double>(terms), "1"};
+}
+
+/// p / (R theta) of air at 1 bar and 20 degrees.
+Result<Figure> AirDensity(const Registry&, const Value& parameters) {
+  return Figure{1e5 / (parameters.NumberOr("R", 0.0) * 293.15), "kg/m^3"};
+}
+
+/// How many numbers of a drive line lie outside the bounds of Tables A.2 and A.6; `I1` has bounds of its own.
+Result<Figure> OutsideBounds(const Registry&, const Value& parameters) {
+  Diagnostics diagnostics;
+  const std::vector<std::string> files = FindScenarios(parameters.TextOr("scenario"), diagnostics);
+  const std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
+  const Value* plant = plan ? plan->root.Find("plant") : nullptr;
+  if (plant == nullptr) return Failure{.message = diagnostics.Format(), .signal = "study", .exit_code = 2};
+  int outside = 0, seen = 0;
+  const auto look = [&](const Value& table, const std::string& name) {
+    const bool first = name == "I1";
+    const double least = first ? parameters.NumberOr("least", 0.01) : 0.01,
+                 most = first ? parameters.NumberOr("most", 10.0) : 10.0;
+    for (const auto& [key, low, high] : {std::tuple{"inertia_kg_m2", least, most},
+                                         {"stiffness_Nm_per_rad", 0.1e6, 100e6},
+                                         {"damping_Nms_per_rad", 0.0, 1000.0}}) {
+      const Value* number = table.is_table()                           ? table.Find(key)
+                            : std::string_view(key) == "inertia_kg_m2" ? &table
+                                                                       : nullptr;
+      if (number == nullptr || !number->is_number()) continue;
+      ++seen;
+      outside += number->number() < low || number->number() > high ? 1 : 0;
+    }
+  };
+  for (const char* part : {"inertia", "rotor", "shaft"}) {
+    const Value* table = plant->Find(part);
+    if (table == nullptr || !table->is_table()) continue;
+    for (const Value::Entry& entry : table->table()) look(entry.value, entry.key);
+  }
+  // The tables have nine numbers with a soft rotor, thirteen and more with a chain.
+  if (seen < 9) return Failure{.message = "the plant has too few numbers", .signal = "study", .exit_code = 2};
+  return Figure{static_cast<double>(outside), "1"};
+}
+
 }  // namespace
 
 std::map<std::string, Study, std::less<>> FormulaStudies() {
-  return {{"free_end", FreeEnd},
-          {"negative_root", NegativeRoot},
-          {"notch_gain_undefined", NotchGainUndefined},
-          {"plain_interpolation", PlainInterpolation},
-          {"rated_torque", RatedTorque},
-          {"real_tone", RealTone},
-          {"window_height", WindowHeight},
-          {"window_slope", WindowSlope}};
+  return {{"air_density", AirDensity},       {"band_pass_terms", BandPassTerms},
+          {"first_contact", FirstContact},   {"free_end", FreeEnd},
+          {"negative_root", NegativeRoot},   {"notch_gain_undefined", NotchGainUndefined},
+          {"outside_bounds", OutsideBounds}, {"plain_interpolation", PlainInterpolation},
+          {"rated_torque", RatedTorque},     {"real_tone", RealTone},
+          {"window_height", WindowHeight},   {"window_slope", WindowSlope}};
 }
 
 }  // namespace dynoproof

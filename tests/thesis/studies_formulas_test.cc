@@ -35,5 +35,14 @@ TEST(Formulas, RatedTorqueIsPowerOverAngularSpeed) {
   EXPECT_NEAR(Of("rated_torque", Value{{"power_kW", 2.0 * std::numbers::pi}, {"speed_rpm", 60.0}}), 1.0, 1e-12);
 }
 
+TEST(Formulas, OutsideBoundsCountsWhatIsOutside) {
+  const auto outside = [](double least, double most) {
+    return Of("outside_bounds",
+              Value{{"scenario", "heavy_duty/straight_chain_setup_1"}, {"least", least}, {"most", most}});
+  };
+  EXPECT_EQ(outside(22.5, 25.5), 0.0);
+  EXPECT_EQ(outside(26.0, 27.0), 1.0);  // I1 is 25.082 kg m^2
+}
+
 }  // namespace
 }  // namespace dynoproof
