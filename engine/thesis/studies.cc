@@ -83,6 +83,31 @@ Result<Figure> ModeFrequency(const Registry& registry, const Value& parameters) 
   return frequency.ok() ? Result<Figure>(Figure{*frequency, "Hz"}) : frequency.failure();
 }
 
+/// Undamped eigenfrequencies of a scenario's line, the rigid-body mode first; nothing else of it is analysed.
+Result<Eigen::VectorXd> FrequenciesOf(const Registry& registry, const std::string& id) {
+  Diagnostics diagnostics;
+  const std::vector<std::string> files = FindScenarios(id, diagnostics);
+  const std::unique_ptr<Prepared> prepared = files.size() == 1 ? Prepare(files[0], {}, registry, diagnostics) : nullptr;
+  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  const mechanics::Network* network = prepared->rig->FindBlock("plant")->component->network();
+  if (network == nullptr) return Wrong(fmt::format("{} has no drive line", id));
+  return mechanics::UndampedFrequencies(*network);
+}
+
+/// Largest relative distance of the first `modes` elastic eigenfrequencies from those of another scenario, `beside`.
+Result<Figure> PredictionGap(const Registry& registry, const Value& parameters) {
+  const auto ours = FrequenciesOf(registry, parameters.TextOr("scenario"));
+  const auto theirs = FrequenciesOf(registry, parameters.TextOr("beside"));
+  const Result<double> modes = Number(parameters, "modes");
+  if (!ours.ok()) return ours.failure();
+  if (!theirs.ok()) return theirs.failure();
+  if (!modes.ok()) return modes.failure();
+  const auto count = static_cast<Eigen::Index>(*modes);
+  if (count < 1 || count >= std::min(ours->size(), theirs->size())) return Wrong("there are not that many modes");
+  const Eigen::ArrayXd ratio = ours->segment(1, count).array() / theirs->segment(1, count).array();
+  return Figure{(ratio - 1.0).abs().maxCoeff(), "1"};
+}
+
 std::vector<double> OscillatoryZeros(const Subject& subject) {
   std::vector<double> frequencies;
   for (const mechanics::Zero& zero : subject.analysis.zeros.zeros) {
@@ -341,6 +366,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"coupling_rivals", CouplingRivals},
       {"coupling_steady", CouplingSteady},
       {"mode_frequency", ModeFrequency},
+      {"prediction_gap", PredictionGap},
       {"unstable_at_bound", UnstableAtBound},
       {"relative_height", RelativeHeight},
       {"resonance_shift", ResonanceShift},
