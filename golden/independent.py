@@ -120,6 +120,13 @@ def drive_lines(v):
     for n, nu in enumerate(frequencies(*A7[:2])[:4]):
         v[f"A.7-mode-{n + 1}"] = nu / TURN
     v["2.4-eigenfrequency"] = v["A.7-mode-1"]
+    # Setups 2 and 3: 0.13 and 0.24 kg m^2 more on the last inertia, nothing else.
+    for setup, more in enumerate((0.0, 0.13, 0.37)):
+        heavier = [(line[0][:-1] + [line[0][-1] + more], line[1]) for line in (A1, A4, A5)]
+        straight, branched, rotor = (frequencies(*line)[:2] for line in heavier)
+        v[f"2.18-setup-{setup + 1}"] = max(abs(straight / rotor - 1.0))
+        if setup > 0:
+            v[f"2.27-setup-{setup + 1}"] = max(abs(branched / rotor - 1.0))
     I1, I2, k, c = 4.8, 0.2, 6e6, 125.0
     total = 1.0 / I1 + 1.0 / I2
     eigenvalue = np.roots([1.0, c * total, k * total])[0]
@@ -138,6 +145,12 @@ def example_of_appendix_b(v):
         return k * qL * math.sin(qL) * (1.0 - nu * nu / nu_0**2) + I5 * nu * nu * math.cos(qL)
 
     v["B.1-exact"] = bisect(exact, nu_0 * (1.0 + 1e-9), nu_r) / TURN
+    # Later roots: brackets by the poles of either side, (m - 1/2) pi and m pi of the cotangent.
+    wave = math.sqrt(k / I1)
+    plain = lambda nu: nu / wave * math.cos(nu / wave) + I1 / I5 * math.sin(nu / wave)
+    v["B.2-not-plain"] = bisect(plain, 0.5 * math.pi * wave, math.pi * wave) / TURN
+    v["B.2-second"] = bisect(formula, 0.6 * math.pi * wave, math.pi * wave * (1.0 - 1e-9)) / TURN
+    v["B.2-second-exact"] = bisect(exact, math.pi * wave, 1.4 * math.pi * wave) / TURN
     slices = chain([I1 / 1000.0] * 1000 + [I5], [k * 999.0] * 999 + [k4], [0.0] * 1000)
     v["B.1-numeric"] = frequencies(*slices)[0] / TURN
 
@@ -195,6 +208,7 @@ def backlash(v):
     v["3-rigid-impact"] = 1e3 * math.sqrt(2.0 * way * J)
     t = bisect(lambda t: (t - J / c_f * (1.0 - math.exp(-c_f * t / J))) / c_f - way, 1e-3, 1.0)
     v["3-rigid-impact-damped"], v["3-rigid-speed-damped"] = 1e3 * t, (1.0 - math.exp(-c_f * t / J)) / c_f
+    v["3.4-either"] = 1.0 - 100.0 * 0.5 / 15e3 / math.radians(5.5)
     v["3-footnote-2"] = math.sqrt(1e6 / (0.0019 / 3.0)) / TURN
 
 
@@ -425,6 +439,18 @@ def estimation(v):
     misfit = lambda to, n: max(abs(gauss(d) * lobe(0.0, 100) / lobe(d, 100) - 1.0) for d in np.linspace(0.0, to, n))
     v["5.28-almost-perfect"], v["5.28-neighbours"] = misfit(0.5, 501), misfit(1.5, 1501)
 
+    b = lambda d: offset(d) / 0.75
+    h = 0.01  # differences of fourth order
+    slopes = (8.0 * (b(d + h) - b(d - h)) - b(d + 2.0 * h) + b(d - 2.0 * h) for d in np.linspace(-0.5, 0.5, 201))
+    v["5.25-monotonic"] = min(slopes) / (12.0 * h)
+
+    def plain(d):  # (5.22) on the sum (5.15) of a complex tone
+        before, at, after = (abs(np.sum(np.exp(1j * TURN / 128 * (d - k) * np.arange(128)))) for k in (-1, 0, 1))
+        sign = math.copysign(1.0, after - before)
+        return sign * math.sqrt((after - before) / (2.0 * sign * at + after - before))
+
+    v["5.22-error"] = max(abs(plain(d) - d) for d in np.arange(-32, 33) / 64.0 if d != 0.0)
+
     def rejected(d):
         ratios = ((lobe(d + s, 128) / lobe(d, 128), (offset(d) + s) ** 2 - offset(d) ** 2) for s in (-1.0, 1.0))
         return any(abs(ratio / math.exp(math.log(0.25 / 0.42) * squares) - 1.0) > 0.05 for ratio, squares in ratios)
@@ -450,6 +476,11 @@ def estimation(v):
             v["5.4.2-amplitude-99"] = np.quantile(a_errors, 0.99)
 
 
+def single_formulas(v):
+    z, c, r = np.exp(1j * TURN * 0.06203), math.cos(TURN * 0.06), 0.995
+    v["5.7-root"] = abs(np.angle((1 - 2 * c / z + z**-2) / (1 - 2 * r * c / z + r * r * z**-2))) / math.pi
+
+
 def pressures(v):
     m, k_s, c_s, A, rate = 0.5, 2e4, 400.0, 0.02, 518.0 * 300.0 / 0.02
     k_q = 10e5 / math.sqrt(2.0 * 518.0 * 300.0) * 0.02
@@ -460,6 +491,9 @@ def pressures(v):
     v["6.30-slow-frequency"] = poles.imag.max()
     swept, area = 0.9 * 0.02641706 * 209.44 / (4.0 * math.pi), 1e-5 + 9e-3 * (1.0 - math.cos(math.pi / 8.0))
     v["6.14-alone"] = (swept / (area * math.sqrt(2.0 * 287.05 * 320.0))) ** 2
+    v["6.12-planned"] = 1.0 + v["6.14-alone"] / 4.0  # at half that speed
+    g, k_I = A * k_q * rate / m, 0.9 * (k_s - v["6.31-figure"]) / c_s
+    v["6.39-decay"] = np.roots([1.0, c_s / m, k_s / m, g, k_I * g]).real.max()
     x = np.linspace(1.0005, 6.0, 200001)
     choked = np.minimum(x, 1.2**3.5)
     isentropic = np.sqrt(7.0 * (choked ** (-2.0 / 1.4) - choked ** (-2.4 / 1.4)))
@@ -471,7 +505,7 @@ def main():
     ledger = tomllib.loads((pathlib.Path(__file__).parent / "published.toml").read_text())
     claims = {claim["id"]: claim for claim in ledger["claim"]}
     values = {}
-    for chapter in (drive_lines, example_of_appendix_b, backlash, coupling, suppression, machine, estimation, pressures):
+    for chapter in (drive_lines, example_of_appendix_b, backlash, coupling, suppression, machine, estimation, single_formulas, pressures):
         chapter(values)
     wrong = 0
     for name, value in values.items():
