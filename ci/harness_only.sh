@@ -16,8 +16,9 @@ for family in heavy_duty r2r backlash coupling suppression pressure; do
   find "scenarios/$family" -name '[!_]*.toml' -delete
   rm -rf "golden/$family"
 done
-rm golden/published.toml golden/figures.toml golden/independent.py
+rm golden/published.toml golden/figures.toml golden/coverage.toml golden/independent.py
 rm bench/campaigns/suppression.toml bench/campaigns/suppression_probing.toml bench/campaigns/r2r_spread.toml
+rm bench/campaigns/machine_bandwidth.toml bench/campaigns/machine_bandwidth_runs.toml bench/machine_bandwidth.py
 rm bench/worst_load.cc bench/core_bench.cc
 git init -q .  # the tree's scripts ask git for the files; the copy lies inside another one
 git add -A

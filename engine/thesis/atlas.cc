@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 
 #include "scenario/find.h"
 #include "scenario/load.h"
+#include "thesis/drawings.h"
 
 namespace dynoproof {
 namespace {
@@ -29,11 +31,27 @@ Result<RunPictures> PicturesOfScenario(const Registry& registry, const std::stri
   return PicturesOf(*prepared);
 }
 
-/// "5.19" as chapter and number within it; zeros for other words.
-std::pair<int, int> Parse(const std::string& number) {
-  int chapter = 0, figure = 0;
-  if (std::sscanf(number.c_str(), "%d.%d", &chapter, &figure) != 2) return {0, 0};
-  return {chapter, figure};
+/// "5.19", "B.2" as chapter and number within it; zeros for other words.
+std::pair<char, int> Parse(const std::string& number) {
+  char chapter = 0;
+  int within = 0;
+  if (std::sscanf(number.c_str(), "%c.%d", &chapter, &within) != 2) return {0, 0};
+  return {chapter, within};
+}
+
+/// Leaves the figure's curves in the picture, in the figure's order. Returns the label that the picture does not have.
+std::string Keep(const AtlasFigure& figure, Picture& picture) {
+  if (figure.curves.empty()) return "";
+  std::vector<Curve> kept;
+  for (const std::string& label : figure.curves) {
+    const auto found = std::find_if(picture.curves.begin(), picture.curves.end(),
+                                    [&](const Curve& one) { return one.label == label; });
+    if (found == picture.curves.end()) return label;
+    kept.push_back(std::move(*found));
+    kept.back().shown = true;
+  }
+  picture.curves = std::move(kept);
+  return "";
 }
 
 /// Puts the pictures of a figure's scenario number `i` into their places.
@@ -50,6 +68,10 @@ void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
     if (!figure.overlay) {
       Picture& place = drawn.pictures[k * figure.scenarios.size() + i];
       place = *found;
+      if (const std::string absent = Keep(figure, place); !absent.empty())
+        drawn.fault = fmt::format("\"{}\" of {} has no curve \"{}\"", found->key, figure.scenarios[i], absent);
+      if (std::isfinite(figure.from)) place.x.from = figure.from;
+      if (std::isfinite(figure.to)) place.x.to = figure.to;
       if (figure.scenarios.size() > 1) place.title = label + ": " + place.title;
       continue;
     }
@@ -99,26 +121,36 @@ void ShareOrdinate(std::span<Picture> pictures) {
 
 }  // namespace
 
-bool Names(const std::string& place, const std::string& number) {
-  const std::pair<int, int> wanted = Parse(number);
-  std::size_t at = place.find("Fig");
-  if (wanted.first == 0 || at == std::string::npos) return false;
-  // Figures follow "Fig." or "Figs." up to another kind of place; "5.18-5.20" is a range.
-  std::pair<int, int> last = {0, 0};
-  while (at < place.size()) {
-    if (place.compare(at, 3, "Sec") == 0 || place.compare(at, 3, "Tab") == 0 || place[at] == '(') break;
-    if (!std::isdigit(static_cast<unsigned char>(place[at]))) {
+std::vector<std::string> NumbersIn(const std::string& place, const std::string& kind) {
+  constexpr std::array kKinds = {"Fig", "Table", "Sec", "App", "footnote"};
+  std::vector<std::string> numbers;
+  std::pair<char, int> last = {0, 0};
+  bool wanted = false;
+  for (std::size_t at = 0; at < place.size();) {
+    // Numbers belong to the last kind of place that was named; an equation, "(2.111)", ends it.
+    for (const std::string word : kKinds) {
+      if (place.compare(at, word.size(), word) == 0) wanted = word == kind;
+    }
+    const bool begins = at == 0 || !std::isalnum(static_cast<unsigned char>(place[at - 1]));
+    if (place[at] == '(' && begins) wanted = false;
+    const std::pair<char, int> found = wanted && begins ? Parse(place.substr(at)) : std::pair<char, int>{0, 0};
+    if (found.first == 0) {
       ++at;
       continue;
     }
-    const std::size_t end = std::min(place.find_first_not_of("0123456789.", at), place.size());
-    const std::pair<int, int> found = Parse(place.substr(at, end - at));
-    if (found == wanted) return true;
-    if (last.first > 0 && place[at - 1] == '-' && last <= wanted && wanted <= found) return true;
+    const bool range = !numbers.empty() && place[at - 1] == '-' && last.first == found.first;
+    for (int n = range ? last.second + 1 : found.second; n <= found.second; ++n) {
+      numbers.push_back(fmt::format("{}.{}", found.first, n));
+    }
     last = found;
-    at = end;
+    at = std::min(place.find_first_not_of("0123456789", at + 2), place.size());
   }
-  return false;
+  return numbers;
+}
+
+bool Names(const std::string& place, const std::string& number) {
+  const std::vector<std::string> numbers = NumbersIn(place, "Fig");
+  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
 }
 
 std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagnostics) {
@@ -140,6 +172,15 @@ std::vector<AtlasFigure> ReadFigures(const std::string& file, Diagnostics& diagn
       if (!std::filesystem::exists(FileOf(scenario)))
         diagnostics.Error(figure.where, fmt::format("there is no scenario \"{}\"", scenario), "see: dynoproof list");
     }
+    for (const std::string& drawing : figure.drawings) {
+      if (!Drawings().contains(drawing))
+        diagnostics.Error(figure.where, fmt::format("there is no drawing \"{}\"", drawing));
+    }
+    if (figure.scenarios.empty() != figure.pictures.empty() || (figure.scenarios.empty() && figure.drawings.empty()))
+      diagnostics.Error(figure.where, "needs scenarios with pictures, or drawings");
+    if (figure.overlay && (!figure.curves.empty() || std::isfinite(figure.from) || std::isfinite(figure.to)))
+      diagnostics.Error(figure.where, "an overlay keeps all curves and its whole abscissa",
+                        "leave out curves, from, to");
     if (!figure.labels.empty() && figure.labels.size() != figure.scenarios.size())
       diagnostics.Error(figure.where, "needs as many labels as scenarios, or none");
     figures.push_back(std::move(figure));
@@ -173,9 +214,16 @@ std::vector<DrawnFigure> Draw(const Registry& registry, const std::vector<AtlasF
   }
   for (DrawnFigure& one : drawn) {
     const std::size_t setups = one.figure.scenarios.size();
-    if (one.figure.overlay || setups < 2) continue;
-    for (std::size_t k = 0; k < one.figure.pictures.size(); ++k)
+    for (std::size_t k = 0; !one.figure.overlay && setups > 1 && k < one.figure.pictures.size(); ++k)
       ShareOrdinate(std::span(one.pictures).subspan(k * setups, setups));
+    for (const std::string& name : one.figure.drawings) {
+      Result<Picture> drawing = Drawings().at(name)(registry);
+      if (drawing.ok()) {
+        one.pictures.push_back(std::move(*drawing));
+      } else {
+        one.fault = drawing.failure().ToString();
+      }
+    }
   }
   return drawn;
 }

@@ -154,6 +154,9 @@ void BoundedCheck::Params::Check(Faults& faults) const {
   if (!between.empty() && (between.size() != 2 || between[0] >= between[1])) {
     faults.At("between", "write [from, to] with from < to");
   }
+  if (!during_s.empty() && (during_s.size() != 2 || during_s[0] >= during_s[1])) {
+    faults.At("during_s", "write [from, to] with from < to");
+  }
 }
 
 std::vector<std::string> BoundedCheck::Signals() const {
@@ -169,8 +172,18 @@ std::vector<score::Check> BoundedCheck::Run(CheckContext& context) const {
     return context.samples().outputs[FindOutput(context.rig(), signal)];
   };
   const std::vector<double>& values = output(p_.signal);
-  double margin = values.empty() ? kNaN : std::numeric_limits<double>::infinity(), when = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
+  // Rows from `first` up to `end`; a stretch that the run does not have to its end holds nothing.
+  const std::vector<double>& time = context.samples().time;
+  std::size_t first = 0, end = values.size();
+  if (!p_.during_s.empty()) {
+    const auto row = [&time](double at_s) {
+      return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), at_s - 1e-9) - time.begin());
+    };
+    first = row(p_.during_s[0]);
+    end = row(p_.during_s[1]) < values.size() ? row(p_.during_s[1]) + 1 : first;
+  }
+  double margin = first >= end ? kNaN : std::numeric_limits<double>::infinity(), when = 0.0;
+  for (std::size_t k = first; k < end; ++k) {
     double here = std::numeric_limits<double>::infinity();
     const auto take = [&here](double distance) {
       if (!std::isnan(here) && !(distance >= here)) here = distance;  // a distance that is no number stays
@@ -187,13 +200,14 @@ std::vector<score::Check> BoundedCheck::Run(CheckContext& context) const {
       break;
     }
     margin = here;
-    when = context.samples().time[k];
+    when = time[k];
   }
   const std::string unit = context.rig().outputs[FindOutput(context.rig(), p_.signal)].unit;
   std::string name = p_.signal;
   if (!p_.above.empty()) name += fmt::format(" above {:g} {}", p_.above_factor, p_.above);
   if (!p_.below.empty()) name += fmt::format(" below {:g} {}", p_.below_factor, p_.below);
   if (!p_.between.empty()) name += fmt::format(" between {:g} and {:g}", p_.between[0], p_.between[1]);
+  if (!p_.during_s.empty()) name += fmt::format(" from {:g} to {:g} s", p_.during_s[0], p_.during_s[1]);
   Figure& least = context.figures.try_emplace(p_.signal + "_margin", Figure{margin, unit}).first->second;
   least.value = std::min(least.value, margin);
   score::Check check = score::AtMost(name, kName, std::max(0.0, -margin), 0.0, unit, p_.origin,

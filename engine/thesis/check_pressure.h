@@ -55,7 +55,7 @@ class BoundedCheck : public CheckPlan {
   struct Params {
     std::string signal, above, below, origin;
     double above_factor = 1.0, below_factor = 1.0;
-    std::vector<double> between;
+    std::vector<double> between, during_s;
     void Visit(auto& v) {
       v.Required("signal", signal, Any(), "output that is bounded");
       v.Optional("above", above, Any(), "output that it stays above");
@@ -63,6 +63,7 @@ class BoundedCheck : public CheckPlan {
       v.Optional("below", below, Any(), "output that it stays below");
       v.Optional("below_factor", below_factor, Positive("1"), "times this");
       v.Optional("between", between, Any("1"), "two numbers that it stays between, in its unit");
+      v.Optional("during_s", during_s, NonNegative("s"), "from and to: the stretch of the run; all when left out");
       v.Required("origin", origin, Any(), "why these bounds");
     }
     void Check(Faults& faults) const;

@@ -76,12 +76,17 @@ Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
   const std::string figure = parameters.TextOr("figure");
   if (figure == "least_stiffness") return Figure{mechanics::LeastStiffness(*regulator), "N/m"};
   if (figure == "integral_bound") return Figure{mechanics::LargestIntegralGain(*regulator, 0.0), "1/s"};
+  if (figure == "loop_decay") {  // k_P = 0, k_I at that share of (6.38)
+    const double k_I = parameters.NumberOr("share", 0.0) * mechanics::LargestIntegralGain(*regulator, 0.0);
+    return Figure{mechanics::LargestRealPart(mechanics::RegulatorLoop(*regulator, {0.0, k_I, 1.0}).denominator), "1/s"};
+  }
   const auto roots = mechanics::PolynomialRoots(mechanics::RegulatorPolynomial(*regulator));
   if (!roots.ok()) return roots.failure();
   if (figure == "fast_pole") return Figure{roots->real().minCoeff(), "1/s"};
   if (figure == "slow_pole") return Figure{roots->real().maxCoeff(), "1/s"};
   if (figure == "slow_pole_frequency") return Figure{roots->imag().maxCoeff(), "1/s"};
-  return Wrong("needs a \"figure\": least_stiffness, integral_bound, fast_pole, slow_pole or slow_pole_frequency");
+  return Wrong(
+      "needs a \"figure\": least_stiffness, integral_bound, loop_decay, fast_pole, slow_pole or slow_pole_frequency");
 }
 
 /// Where the eigenvalues cross the axis when one number is swept, over the printed bound.
@@ -146,7 +151,8 @@ Result<Figure> RegulatorSteady(const Registry& registry, const Value& parameters
   return Figure{states[2] - formula, "Pa"};
 }
 
-/// K of (6.13) at that speed: (6.14), as it is printed, asks for (1 + K) times the charge pressure.
+/// K of (6.13) at that speed: (6.14), as it is printed, asks for (1 + K) times the charge pressure. `by_flows`: the ratio
+/// of the two pressures at which the first flap lets through what the engine takes, (6.4) and (6.10), by bisection.
 Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   const Result<Plan> plan = PlanOf(parameters);
   if (!plan.ok()) return plan.failure();
@@ -157,6 +163,16 @@ Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   const double area = mechanics::FlapArea::Cosine(control->NumberOr("flap.1.area_offset_m2", 0.0),
                                                   control->NumberOr("flap.1.area_span_m2", 1.0))
                           .Area(25.0);
+  if (Flag(parameters, "by_flows")) {
+    constexpr double kRTheta = 287.05 * 320.0, p_ch = 2e5;
+    double low = 1.0, high = 2.0;
+    for (int i = 0; i < 60; ++i) {
+      const double ratio = 0.5 * (low + high), psi = std::sqrt(2.0 / ratio * (1.0 - 1.0 / ratio));
+      const double through = area * ratio * p_ch / std::sqrt(kRTheta) * psi, taken = p_ch / kRTheta * swept;
+      (through < taken ? low : high) = ratio;
+    }
+    return Figure{low, "1"};
+  }
   return Figure{mechanics::PressureSurplus(swept, area, 287.05 * 320.0), "1"};
 }
 

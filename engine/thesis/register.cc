@@ -6,8 +6,10 @@
 #include "thesis/check_load_step.h"
 #include "thesis/check_pressure.h"
 #include "thesis/check_suppression.h"
+#include "thesis/machine_subject.h"
 #include "thesis/pictures_coupling.h"
 #include "thesis/pictures_loop.h"
+#include "thesis/study_subject.h"
 #include "thesis/suppression_subject.h"
 
 namespace dynoproof {
@@ -24,7 +26,8 @@ void RegisterThesis(Registry& registry) {
   registry.AddCheck<WanderCheck>();
   AddPictureMaker(AddCouplings);
   AddPictureMaker(AddLoop);
-  campaign::AddStudy("suppression", campaign::MakeSuppressionSubject);
+  campaign::AddStudy("machine", campaign::MakeStudySubject<campaign::MachineStudy>);
+  campaign::AddStudy("suppression", campaign::MakeStudySubject<campaign::SuppressionStudy>);
 }
 
 }  // namespace dynoproof

@@ -14,10 +14,12 @@
 #include "thesis/descriptions.h"
 #include "thesis/distributed.h"
 #include "thesis/eigen_derivatives.h"
+#include "thesis/machine_studies.h"
 #include "thesis/parametrisation.h"
 #include "thesis/pressure_studies.h"
 #include "thesis/speed_loop.h"
 #include "thesis/studies_backlash.h"
+#include "thesis/studies_formulas.h"
 #include "thesis/studies_printed.h"
 #include "thesis/studies_runs.h"
 #include "thesis/studies_slips.h"
@@ -80,6 +82,31 @@ Result<Figure> ModeFrequency(const Registry& registry, const Value& parameters) 
   }
   const Result<double> frequency = Pick(elastic, parameters, "mode");
   return frequency.ok() ? Result<Figure>(Figure{*frequency, "Hz"}) : frequency.failure();
+}
+
+/// Undamped eigenfrequencies of a scenario's line, the rigid-body mode first; nothing else of it is analysed.
+Result<Eigen::VectorXd> FrequenciesOf(const Registry& registry, const std::string& id) {
+  Diagnostics diagnostics;
+  const std::vector<std::string> files = FindScenarios(id, diagnostics);
+  const std::unique_ptr<Prepared> prepared = files.size() == 1 ? Prepare(files[0], {}, registry, diagnostics) : nullptr;
+  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  const mechanics::Network* network = prepared->rig->FindBlock("plant")->component->network();
+  if (network == nullptr) return Wrong(fmt::format("{} has no drive line", id));
+  return mechanics::UndampedFrequencies(*network);
+}
+
+/// Largest relative distance of the first `modes` elastic eigenfrequencies from those of another scenario, `beside`.
+Result<Figure> PredictionGap(const Registry& registry, const Value& parameters) {
+  const auto ours = FrequenciesOf(registry, parameters.TextOr("scenario"));
+  const auto theirs = FrequenciesOf(registry, parameters.TextOr("beside"));
+  const Result<double> modes = Number(parameters, "modes");
+  if (!ours.ok()) return ours.failure();
+  if (!theirs.ok()) return theirs.failure();
+  if (!modes.ok()) return modes.failure();
+  const auto count = static_cast<Eigen::Index>(*modes);
+  if (count < 1 || count >= std::min(ours->size(), theirs->size())) return Wrong("there are not that many modes");
+  const Eigen::ArrayXd ratio = ours->segment(1, count).array() / theirs->segment(1, count).array();
+  return Figure{(ratio - 1.0).abs().maxCoeff(), "1"};
 }
 
 std::vector<double> OscillatoryZeros(const Subject& subject) {
@@ -161,25 +188,38 @@ Result<RotorWithOscillator> ReadRotor(const Value& parameters) {
   return RotorWithOscillator{values[0], values[1], {values[3], values[2]}};
 }
 
-Result<Figure> First(const Result<std::vector<double>>& frequencies) {
+/// The frequency number `mode` of the claim, the first where it names none.
+Result<Figure> Chosen(const Result<std::vector<double>>& frequencies, const Value& parameters) {
   if (!frequencies.ok()) return frequencies.failure();
-  if (frequencies->empty()) return Wrong("no eigenfrequency in the range");
-  return Figure{frequencies->front(), "Hz"};
+  const double mode = parameters.NumberOr("mode", 1.0);
+  if (mode < 1.0 || mode > static_cast<double>(frequencies->size()))
+    return Wrong(fmt::format("mode {} of {}", mode, frequencies->size()));
+  return Figure{(*frequencies)[static_cast<std::size_t>(mode) - 1], "Hz"};
 }
 
-/// Lowest eigenfrequency of the distributed rotor with an oscillator, exact transcendental equation.
+/// An eigenfrequency of the distributed rotor with an oscillator, exact transcendental equation.
 Result<Figure> RotorExact(const Registry&, const Value& parameters) {
   const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
   if (!rotor.ok()) return rotor.failure();
-  return First(
-      mechanics::ExactEigenfrequencies({rotor->inertia, rotor->stiffness, 0.0, 0.0, {rotor->oscillator}}, 2000.0));
+  return Chosen(
+      mechanics::ExactEigenfrequencies({rotor->inertia, rotor->stiffness, 0.0, 0.0, {rotor->oscillator}}, 2000.0),
+      parameters);
 }
 
 /// The same by the heuristic (B.4).
 Result<Figure> RotorHeuristic(const Registry&, const Value& parameters) {
   const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
   if (!rotor.ok()) return rotor.failure();
-  return First(mechanics::HeuristicEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator, 2000.0));
+  return Chosen(mechanics::HeuristicEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator, 2000.0),
+                parameters);
+}
+
+/// The same by (2.111), the oscillator's inertia pinned to the rotor.
+Result<Figure> RotorPlain(const Registry&, const Value& parameters) {
+  const Result<RotorWithOscillator> rotor = ReadRotor(parameters);
+  if (!rotor.ok()) return rotor.failure();
+  return Chosen(mechanics::SpatialEigenfrequencies(rotor->inertia, rotor->stiffness, rotor->oscillator.inertia, 2000.0),
+                parameters);
 }
 
 /// The same with the rotor cut into `slices`.
@@ -327,6 +367,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"coupling_rivals", CouplingRivals},
       {"coupling_steady", CouplingSteady},
       {"mode_frequency", ModeFrequency},
+      {"prediction_gap", PredictionGap},
       {"unstable_at_bound", UnstableAtBound},
       {"relative_height", RelativeHeight},
       {"resonance_shift", ResonanceShift},
@@ -335,6 +376,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
       {"rotor_formula_gap", RotorFormulaGap},
       {"rotor_in_thirds", RotorInThirds},
       {"rotor_heuristic", RotorHeuristic},
+      {"rotor_plain", RotorPlain},
       {"rotor_sliced", RotorSliced},
       {"scenario_figure", ScenarioFigure},
       {"slice_order", SliceOrder},
@@ -349,6 +391,8 @@ const std::map<std::string, Study, std::less<>>& Studies() {
     auto merged = SuppressionStudies();
     merged.merge(PressureStudies());
     merged.merge(PrintedStudies());
+    merged.merge(MachineStudies());
+    merged.merge(FormulaStudies());
     merged.merge(SlipStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;

@@ -147,36 +147,7 @@ void SuppressionLoop::Step(double T_load_Nm, double noise_Nm, double k_V, bool a
   propagator_->Advance(x_, u_);
 }
 
-Result<std::vector<FilteredLoopMode>> FilteredLoopModes(const SuppressionPlant& plant, double k_V, int delay_samples,
-                                                        const std::vector<control10k::NotchCoefficients>& notches) {
-  const Result<SampledPlant> sampled = Sample(plant);
-  if (!sampled.ok()) return sampled.failure();
-  // States: plant, two per filter (transposed form: y = b0 u + s1), then the commands under way. Rows by what feeds
-  // them: the filtered torque of this period is a row vector over all states.
-  const Eigen::Index n = sampled->F.rows(), f = 2 * static_cast<Eigen::Index>(notches.size()), d = delay_samples;
-  const Eigen::Index size = n + f + d;
-  Eigen::MatrixXd step = Eigen::MatrixXd::Zero(size, size);
-  step.topLeftCorner(n, n) = sampled->F;
-  Eigen::RowVectorXd signal = Eigen::RowVectorXd::Zero(size);
-  signal.head(n) = sampled->h;
-  for (std::size_t i = 0; i < notches.size(); ++i) {
-    const control10k::NotchCoefficients& c = notches[i];
-    const Eigen::Index s1 = n + 2 * static_cast<Eigen::Index>(i), s2 = s1 + 1;
-    Eigen::RowVectorXd y = c.b0 * signal;
-    y[s1] += 1.0;
-    step.row(s1) = c.b1 * signal - c.a1 * y;
-    step(s1, s2) += 1.0;
-    step.row(s2) = c.b2 * signal - c.a2 * y;
-    signal = y;
-  }
-  const Eigen::RowVectorXd command = -k_V * signal;
-  if (d == 0) {
-    step.topRows(n) += sampled->g * command;
-  } else {
-    step.row(n + f) = command;
-    for (Eigen::Index i = 1; i < d; ++i) step(n + f + i, n + f + i - 1) = 1.0;
-    step.col(size - 1).head(n) += sampled->g;
-  }
+Result<std::vector<FilteredLoopMode>> ModesOfStep(const Eigen::MatrixXd& step) {
   const Eigen::VectorXcd values = dense::Eigenvalues(step);
   if (!values.allFinite()) return Failure{"the loop's eigenvalue problem did not converge", "", {}, 3};
   std::vector<FilteredLoopMode> modes;
@@ -187,6 +158,45 @@ Result<std::vector<FilteredLoopMode>> FilteredLoopModes(const SuppressionPlant& 
   }
   std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
   return modes;
+}
+
+Eigen::RowVectorXd ThroughNotches(const std::vector<control10k::NotchCoefficients>& notches, Eigen::Index first,
+                                  Eigen::RowVectorXd signal, Eigen::MatrixXd& step) {
+  for (std::size_t i = 0; i < notches.size(); ++i) {
+    const control10k::NotchCoefficients& c = notches[i];
+    const Eigen::Index s1 = first + 2 * static_cast<Eigen::Index>(i), s2 = s1 + 1;
+    Eigen::RowVectorXd y = c.b0 * signal;
+    y[s1] += 1.0;
+    step.row(s1) = c.b1 * signal - c.a1 * y;
+    step(s1, s2) += 1.0;
+    step.row(s2) = c.b2 * signal - c.a2 * y;
+    signal = y;
+  }
+  return signal;
+}
+
+Result<std::vector<FilteredLoopMode>> FilteredLoopModes(const SuppressionPlant& plant, double k_V, int delay_samples,
+                                                        const std::vector<control10k::NotchCoefficients>& notches) {
+  const Result<SampledPlant> sampled = Sample(plant);
+  if (!sampled.ok()) return sampled.failure();
+  // States: plant, two per filter, then the commands under way. Rows by what feeds them: the filtered torque of this
+  // period is a row vector over all states.
+  const Eigen::Index n = sampled->F.rows(), f = 2 * static_cast<Eigen::Index>(notches.size()), d = delay_samples;
+  const Eigen::Index size = n + f + d;
+  Eigen::MatrixXd step = Eigen::MatrixXd::Zero(size, size);
+  step.topLeftCorner(n, n) = sampled->F;
+  Eigen::RowVectorXd signal = Eigen::RowVectorXd::Zero(size);
+  signal.head(n) = sampled->h;
+  signal = ThroughNotches(notches, n, signal, step);
+  const Eigen::RowVectorXd command = -k_V * signal;
+  if (d == 0) {
+    step.topRows(n) += sampled->g * command;
+  } else {
+    step.row(n + f) = command;
+    for (Eigen::Index i = 1; i < d; ++i) step(n + f + i, n + f + i - 1) = 1.0;
+    step.col(size - 1).head(n) += sampled->g;
+  }
+  return ModesOfStep(step);
 }
 
 Result<std::vector<std::complex<double>>> OpenLoop(const SuppressionPlant& plant, double k_V, int delay_samples,

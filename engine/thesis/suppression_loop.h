@@ -71,6 +71,14 @@ class SuppressionLoop {
 struct FilteredLoopMode {
   double frequency_hz, growth_per_s;
 };
+/// The modes of a step x+ = S x of 100 us, the fastest growing first.
+Result<std::vector<FilteredLoopMode>> ModesOfStep(const Eigen::MatrixXd& step);
+
+/// Leads a signal, a row over all states, through notch filters (transposed form: y = b0 u + s1) whose states begin at
+/// `first`: writes their rows of the step and returns what leaves them.
+Eigen::RowVectorXd ThroughNotches(const std::vector<control10k::NotchCoefficients>& notches, Eigen::Index first,
+                                  Eigen::RowVectorXd signal, Eigen::MatrixXd& step);
+
 /// All oscillatory modes of the loop T_ref = -k_V H_1 .. H_n T_shaft, the fastest growing first; without speed control.
 /// An eigenvalue problem of its own, not the simulation.
 Result<std::vector<FilteredLoopMode>> FilteredLoopModes(const SuppressionPlant& plant, double k_V, int delay_samples,

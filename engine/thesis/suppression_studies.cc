@@ -16,6 +16,7 @@
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "sim/solver.h"
+#include "thesis/machine_loop.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {
@@ -38,11 +39,22 @@ control10k::NotchCoefficients NotchAt(double f_Hz, double r) {
   return c;
 }
 
+/// The modes of the loop that the parameters describe: `machine_Hz` is the bandwidth of the machine's current control,
+/// absent where a lag stands for both.
+Result<std::vector<FilteredLoopMode>> ModesOf(const Value& parameters,
+                                              const std::vector<control10k::NotchCoefficients>& notches) {
+  const double k_V = parameters.NumberOr("k_V", 9.7), machine_Hz = parameters.NumberOr("machine_Hz", 0.0);
+  const int delay = static_cast<int>(parameters.NumberOr("delay_samples", 0.0));
+  if (machine_Hz <= 0.0) return FilteredLoopModes(PlantOf(parameters), k_V, delay, notches);
+  const Result<MachineLoop> loop = MachineLoop::Create(PlantOf(parameters), VascatDrive(machine_Hz), delay);
+  if (!loop.ok()) return loop.failure();
+  return loop->Modes(k_V, notches);
+}
+
 /// Of the sampled loop's mode number `mode` (the fastest growing is 1): `quantity` = frequency or growth. Negative k_V:
 /// the printed sign of the feedthrough.
 Result<Figure> LoopModeStudy(const Registry&, const Value& parameters) {
-  const auto modes = FilteredLoopModes(PlantOf(parameters), parameters.NumberOr("k_V", 9.7),
-                                       static_cast<int>(parameters.NumberOr("delay_samples", 0.0)), {});
+  const auto modes = ModesOf(parameters, {});
   if (!modes.ok()) return modes.failure();
   const auto index = static_cast<std::size_t>(parameters.NumberOr("mode", 1.0)) - 1;
   if (index >= modes->size()) return Wrong("no such mode");
@@ -57,8 +69,7 @@ Result<Figure> UnstableModes(const Registry&, const Value& parameters) {
   for (const char* key : {"notch_1_Hz", "notch_2_Hz"}) {
     if (const double f = parameters.NumberOr(key, 0.0); f > 0.0) notches.push_back(NotchAt(f, r));
   }
-  const auto modes = FilteredLoopModes(PlantOf(parameters), parameters.NumberOr("k_V", 9.7),
-                                       static_cast<int>(parameters.NumberOr("delay_samples", 0.0)), notches);
+  const auto modes = ModesOf(parameters, notches);
   if (!modes.ok()) return modes.failure();
   return Figure{static_cast<double>(std::count_if(modes->begin(), modes->end(),
                                                   [](const auto& mode) { return mode.growth_per_s > 0.0; })),

@@ -1,18 +1,19 @@
 // The robustness of the proposed resonance suppression as the subject of a campaign (suppression_case.h).
 #pragma once
 
-#include <memory>
-#include <string>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
-#include "campaign/axes.h"
 #include "campaign/subject.h"
+#include "thesis/suppression_case.h"
 
 namespace dynoproof::campaign {
 
-/// `parameters`: what is the same in all runs; the axes name the others.
-std::unique_ptr<Subject> MakeSuppressionSubject(const std::vector<std::pair<std::string, Value>>& parameters,
-                                                const Value& root, const Axes& axes, Diagnostics& diagnostics);
+struct SuppressionStudy {
+  using Parameters = SuppressionParameters;
+  static constexpr const char* kContext = "study suppression";
+  static const std::vector<FigureInfo>& Figures();
+  static void Fill(const Parameters& parameters, std::uint64_t seed, Row& row);
+};
 
 }  // namespace dynoproof::campaign

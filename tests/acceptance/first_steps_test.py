@@ -88,7 +88,7 @@ class FirstSteps(Steps):
         said = self.script(script)
         self.assertIn("met        stiffness_change is to be seen at 0.05", said)
         self.assertIn('still fail "golden T"', said)
-        self.assertIn("usual errors", (self.folder / "out/probe.html").read_text().split("</title>")[0])
+        self.assertIn("usual error", (self.folder / "out/probe.html").read_text().split("</title>")[0])
 
     def test_the_commands_of_the_readme(self):
         (self.folder / "my_line.toml").unlink()

@@ -191,6 +191,24 @@ TEST_F(Pages, OfACampaignWithRunsThatFail) {
   Look("sweep.html", 1, "of 300 runs do not pass");
 }
 
+TEST_F(Pages, OfAProbe) {
+  bench_.Write("probed.toml", R"(include = ["line.toml"]
+[run]
+duration_s = 0.5
+[[check]]
+kind = "peak"
+signal = "T_shaft"
+figure = "tone"
+band_Hz = [5.0, 100.0]
+between_Hz = [5.0, 99.0]
+origin = "the first resonance is beyond"
+)");
+  Made({"probe", "probed.toml", "--html", "probe.html", "--effects",
+        "stiffness_change,sensor_offset,turned_sign,backlash"});
+  EXPECT_THAT(ReadBytes(bench_ / "probe.html"), HasSubstr("passes at any"));
+  Look("probe.html", 0, "usual errors would pass");
+}
+
 TEST_F(Pages, OfTheNightlyRecord) {
   for (int night = 1; night <= 6; ++night) {
     bench_.Write("budgets.json", Budgets(night < 5 ? 338.9 : 349.0));
@@ -239,8 +257,8 @@ TEST(PagesOfTheProgram, AreAllLookedAtAbove) {
   const Bench bench;
   std::set<std::string> pages;
   CollectPages(bench, {}, pages);
-  EXPECT_EQ(pages,
-            (std::set<std::string>{"run", "reproduce", "diagnose", "bench", "sweep", "history show", "history check"}))
+  EXPECT_EQ(pages, (std::set<std::string>{"run", "reproduce", "diagnose", "bench", "probe", "sweep", "history show",
+                                          "history check"}))
       << "a command that writes another page needs a test here";
 }
 

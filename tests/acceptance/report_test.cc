@@ -130,7 +130,8 @@ TEST(Report, AtlasHasTheClaimAndItsFigure) {
   EXPECT_EQ(run.exit, 0) << run.Both();
   const std::string page = ReadBytes(bench / "atlas.html");
   ExpectSound(page);
-  for (const char* text : {"5.6.1-notch-1", "Fig. 5.19", "Chapter 5: Resonance suppression", "reproduced"})
+  for (const char* text : {"5.6.1-notch-1", "Fig. 5.19", "Chapter 5: Resonance suppression", "reproduced",
+                           "What of the thesis is here", "proposed suppression in simulation"})
     EXPECT_TRUE(Has(page, text)) << text;
   EXPECT_FALSE(Has(page, "Fig. 3.6")) << "only what the claim needs";
   EXPECT_EQ(bench.Call({"reproduce", "5.6.1-notch-1", "--html", "/proc/x/atlas.html"}).exit, 3);

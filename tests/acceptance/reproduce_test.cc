@@ -81,6 +81,26 @@ TEST(Reproduce, WhatTheThesisDoesNotPrintIsNotSaidToBePrinted) {
   EXPECT_NEAR(claim["independent"].get<double>(), 390.832, 1e-9);
 }
 
+TEST(Reproduce, CoverageShowsEveryRowWithItsStateAndReason) {
+  const Bench bench;
+  const Outcome run = bench.Call({"reproduce", "--coverage", "--json", "coverage.json"});
+  EXPECT_EQ(run.exit, 0) << run.Both();
+  const nlohmann::json document = nlohmann::json::parse(ReadBytes(bench / "coverage.json"));
+  std::map<std::string, int> counts;
+  for (const nlohmann::json& row : document["rows"]) {
+    const std::string state = row["state"], name = row["name"];
+    ++counts[state];
+    EXPECT_THAT(run.out, HasSubstr(name));
+    EXPECT_EQ(row["reason"].is_null(), state == "whole") << name;
+  }
+  for (const char* state : {"whole", "assumed", "partial", "missing"}) {
+    EXPECT_GT(counts[state], 0) << state;
+    EXPECT_EQ(document["summary"]["all"][state], counts[state]) << state;
+  }
+  EXPECT_THAT(run.out, HasSubstr("experiment"));
+  EXPECT_EQ(bench.Call({"reproduce", "all", "--coverage"}).exit, 2);
+}
+
 TEST(Reproduce, AnUnknownClaimIsAnsweredWithTheNearest) {
   const Bench bench;
   const Outcome run = bench.Call({"reproduce", "B.1-formla"});

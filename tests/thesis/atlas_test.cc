@@ -52,6 +52,12 @@ TEST(Atlas, PlacesNameFigures) {
   EXPECT_FALSE(Names("Sec. 3.6", "3.6"));
   EXPECT_FALSE(Names("Fig. 5.1", "5.19"));
   EXPECT_FALSE(Names("Fig. 2.4, Sec. 3.6", "3.6"));
+  EXPECT_TRUE(Names("App. B, Fig. B.2", "B.2"));
+  EXPECT_EQ(NumbersIn("Figs. 2.11(b), 2.32(b), Table A.5, (2.111)", "Fig"), (std::vector<std::string>{"2.11", "2.32"}));
+  EXPECT_EQ(NumbersIn("Sec. 2.2.7, Tables 2.1, A.5, Figs. 5.21-5.23", "Table"),
+            (std::vector<std::string>{"2.1", "A.5"}));
+  EXPECT_EQ(NumbersIn("Figs. 5.21-5.23", "Fig"), (std::vector<std::string>{"5.21", "5.22", "5.23"}));
+  EXPECT_TRUE(NumbersIn("footnote 3 of chapter 5, App. D", "Fig").empty());
 }
 
 TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
@@ -83,6 +89,47 @@ TEST(Atlas, SetupsSideBySideShareTheirOrdinate) {
       EXPECT_GT(*one.y.to, *std::ranges::max_element(curve.y));
     }
   }
+}
+
+TEST(Atlas, AFigureKeepsTheCurvesItNamesAndNoOther) {
+  AtlasFigure figure;
+  figure.number = "3.1";
+  figure.scenarios = {"backlash/clamped"};
+  figure.pictures = {"time:omega_7"};
+  const std::vector<DrawnFigure> all = Draw(testing::FullRegistry(), {figure});
+  ASSERT_EQ(all[0].fault, "");
+  ASSERT_GT(all[0].pictures[0].curves.size(), 1u);
+  figure.curves = {all[0].pictures[0].curves[1].label};
+  figure.from = 0.01;
+  figure.to = 0.04;
+  const std::vector<DrawnFigure> one = Draw(testing::FullRegistry(), {figure});
+  EXPECT_EQ(one[0].fault, "");
+  ASSERT_EQ(one[0].pictures[0].curves.size(), 1u);
+  EXPECT_EQ(one[0].pictures[0].curves[0].label, figure.curves[0]);
+  EXPECT_TRUE(one[0].pictures[0].curves[0].shown);
+  EXPECT_EQ(one[0].pictures[0].x.from, 0.01);
+  EXPECT_EQ(one[0].pictures[0].x.to, 0.04);
+  figure.curves = {"nobody"};
+  EXPECT_THAT(Draw(testing::FullRegistry(), {figure})[0].fault, ::testing::HasSubstr("no curve \"nobody\""));
+}
+
+TEST(Atlas, ADrawingNeedsNoScenario) {
+  const test::TempDir folder;
+  const auto read = [&folder](const std::string& body, Diagnostics& diagnostics) {
+    return ReadFigures(folder.Write("f.toml", "[[figure]]\nnumber = \"D.1\"\ntitle = \"t\"\n" + body).string(),
+                       diagnostics);
+  };
+  Diagnostics good, unknown, none;
+  const std::vector<AtlasFigure> figures = read("drawings = [\"notch_poles\"]\n", good);
+  ASSERT_FALSE(good.has_errors()) << good.Format();
+  const std::vector<DrawnFigure> drawn = Draw(testing::FullRegistry(), figures);
+  EXPECT_EQ(drawn[0].fault, "");
+  ASSERT_EQ(drawn[0].pictures.size(), 1u);
+  EXPECT_EQ(drawn[0].pictures[0].key, "notch_poles");
+  read("drawings = [\"nothing\"]\n", unknown);
+  EXPECT_THAT(unknown.Format(), ::testing::HasSubstr("no drawing \"nothing\""));
+  read("", none);
+  EXPECT_THAT(none.Format(), ::testing::HasSubstr("needs scenarios with pictures, or drawings"));
 }
 
 TEST(Settings, TellWhatWasGivenWhereAndWhatWasNot) {

@@ -93,10 +93,34 @@ TEST(BoundedCheck, SeesTheOneSampleThatLeavesItsBounds) {
   EXPECT_EQ(bed.Run()[0].verdict, score::Verdict::kFail);
 }
 
+TEST(BoundedCheck, LooksAtItsStretchAlone) {
+  Value check = {{"kind", "bounded"},
+                 {"signal", "p_s"},
+                 {"between", Value::Array{1.0, 2.0}},
+                 {"during_s", Value::Array{2.0, 4.0}},
+                 {"origin", "none"}};
+  Bed bed(check);
+  bed.Output(1, [](double) { return 1.5; });
+  for (const auto& [row, seen] : {std::pair{199, false}, {200, true}, {400, true}, {401, false}}) {
+    bed.samples.outputs[1][row] = 2.5;
+    EXPECT_EQ(bed.Run()[0].verdict, seen ? score::Verdict::kFail : score::Verdict::kPass) << row;
+    bed.samples.outputs[1][row] = 1.5;
+  }
+  // A stretch that the run does not have to its end was not looked at.
+  const double end_s = bed.samples.time.back();
+  bed.plan.root["check"].array()[0]["during_s"] = Value(Value::Array{end_s - 1.0, end_s + 1.0});
+  EXPECT_EQ(bed.Run()[0].verdict, score::Verdict::kFail);
+}
+
 TEST(BoundedCheck, RefusesACheckWithoutBounds) {
   Plan plan = testing::AirPlan();
   plan.root["check"] = Value::Array{Value{{"kind", "bounded"}, {"signal", "p_s"}, {"origin", "none"}},
                                     Value{{"kind", "bounded"}, {"signal", "p_s"}, {"above", "nothing"}, {"origin", ""}},
+                                    Value{{"kind", "bounded"},
+                                          {"signal", "p_s"},
+                                          {"above", "p_ch"},
+                                          {"during_s", Value::Array{2.0, 1.0}},
+                                          {"origin", ""}},
                                     Value{{"kind", "ramps"},
                                           {"signal", "p_s"},
                                           {"reference", "u_9"},
@@ -108,6 +132,7 @@ TEST(BoundedCheck, RefusesACheckWithoutBounds) {
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no bound"));
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no output \"nothing\""));
   EXPECT_THAT(diagnostics.Format(), HasSubstr("no input \"u_9\""));
+  EXPECT_THAT(diagnostics.Format(), HasSubstr("write [from, to]"));
 }
 
 }  // namespace

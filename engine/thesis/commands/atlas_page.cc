@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "experiment/run_scenario.h"
 #include "reports/html.h"
@@ -52,17 +53,18 @@ std::string ClaimRow(const ClaimResult& result) {
   std::string says = result.fault.empty() ? InWords(result.standing) : "fault";
   if (!result.as_expected && result.fault.empty()) says += ", expected otherwise";
   const std::string allowed = AllowedText(claim);
-  // Name, place and standing below one another: the sentence needs the width.
+  // Name, place and standing below one another, limit and deviation too: the sentence needs the width.
   const std::string name = fmt::format("{}<div class=\"note\">{}</div><div class=\"verdict {}\">{}</div>",
                                        Escape(claim.id), Escape(claim.place), standing, Escape(says));
+  const std::string unit = claim.unit == "1" || !result.ours ? "" : " " + Escape(claim.unit);
+  std::string limit = allowed.empty() ? "–" : Escape(allowed);
+  if (std::isfinite(deviation)) limit += fmt::format("<div class=\"note\">{:+.3g}</div>", deviation);
   return Row(std::vector<Cell>{{name, "key"},
                                {fmt::format("<strong>{}</strong>{}", Escape(claim.claim), Notes(result)), "text"},
                                {Number(claim.thesis), "number"},
                                {Number(claim.independent), "number"},
-                               {Number(ours), "number"},
-                               {allowed.empty() ? "–" : Escape(allowed), "number"},
-                               {std::isfinite(deviation) ? fmt::format("{:+.3g}", deviation) : "–", "number"},
-                               {Escape(claim.unit == "1" ? "" : claim.unit)}});
+                               {Number(ours) + unit, "number"},
+                               {limit, "number"}});
 }
 
 /// What the thesis says of it and what comes out here, in one line.
@@ -85,9 +87,10 @@ std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>&
   const AtlasFigure& figure = drawn.figure;
   std::string html = fmt::format("<section id=\"{}\"><h3>Fig. {}: {}</h3>\n", Anchor("fig-" + figure.number),
                                  Escape(figure.number), Escape(figure.title));
-  std::string scenarios;
-  for (const std::string& id : figure.scenarios) scenarios += (scenarios.empty() ? "" : ", ") + id;
-  html += fmt::format("<p class=\"source\">ours: {}{}{}</p>\n", Escape(scenarios),
+  if (!figure.shows.empty()) html += fmt::format("<p>{}</p>\n", Escape(figure.shows));
+  const std::string ours = figure.scenarios.empty() ? "computed for this figure alone"
+                                                    : fmt::format("{}", fmt::join(figure.scenarios, ", "));
+  html += fmt::format("<p class=\"source\">ours: {}{}{}</p>\n", Escape(ours),
                       figure.missing.empty() ? "" : "; not to be compared: ", Escape(figure.missing));
   std::string claimed;
   for (const ClaimResult& result : claims) {
@@ -103,6 +106,60 @@ std::string FigureHtml(const DrawnFigure& drawn, const std::vector<ClaimResult>&
   return html + "</section>\n";
 }
 
+/// "2.4, 2.11, 2.18" as links to the figures of this page.
+std::string FigureLinks(const std::vector<std::string>& numbers) {
+  std::string links;
+  for (const std::string& number : numbers) {
+    links += fmt::format("{}<a href=\"#{}\">Fig. {}</a>", links.empty() ? "" : ", ", Anchor("fig-" + number),
+                         Escape(number));
+  }
+  return links;
+}
+
+std::string CoverageRowHtml(CoverageRow row) {
+  const std::string links = FigureLinks(row.figures), place = row.place;
+  row.figures.clear();  // they stand as links
+  const std::string others = row.CoveredBy();
+  const std::string key = fmt::format("{}{}<div class=\"verdict {}\">{}</div>", Escape(row.name),
+                                      place.empty() ? "" : fmt::format("<div class=\"note\">{}</div>", Escape(place)),
+                                      row.state, row.state);
+  return Row(std::vector<Cell>{
+      {key, "key"},
+      {fmt::format("<strong>{}</strong>{}", Escape(row.title),
+                   row.reason.empty() ? "" : fmt::format("<div>{}</div>", Escape(row.reason))),
+       "text"},
+      {fmt::format("{}{}{}", links, links.empty() || others.empty() ? "" : "; ", Escape(others)), "wide"}});
+}
+
+/// How much of the thesis is here: counts by kind, and every row in a part of its own that is closed at first.
+std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
+  if (rows.empty()) return "";
+  const std::vector<std::string> states = CoverageRow::States();
+  std::vector<Cell> heads = {{"part"}};
+  for (const std::string& state : states) heads.push_back({state, "number"});
+  std::string counts, parts;
+  for (const std::string& kind : CoverageRow::Kinds()) {
+    const std::vector<int> count = CountStates(rows, kind);
+    if (std::accumulate(count.begin(), count.end(), 0) == 0) continue;  // the page of one claim has a few rows only
+    const std::string id = Anchor("coverage-" + kind);
+    std::vector<Cell> line = {{fmt::format("<a href=\"#{}\">{}s</a>", id, kind)}};
+    for (std::size_t i = 0; i < states.size(); ++i)
+      line.push_back({fmt::format("{}", count[i]), "number " + states[i]});
+    counts += Row(line);
+    std::string lines;
+    for (const CoverageRow& row : rows) lines += row.kind == kind ? CoverageRowHtml(row) : "";
+    parts += fmt::format(
+        "<details class=\"part\" id=\"{}\"><summary><h2>Row by row: {}s</h2></summary>\n{}</details>\n", id, kind,
+        Table(std::vector<Cell>{{"name, place, state"}, {"what it is, and why it is not whole"}, {"covered by"}},
+              lines));
+  }
+  return "<section id=\"coverage\"><h2>What of the thesis is here</h2>\n"
+         "<p class=\"note\">whole: computed from what the thesis prints; assumed: the same with data that it does not "
+         "print; partial: something is not computed, cannot be compared or comes out otherwise; missing: nothing of it "
+         "is here.</p>\n" +
+         Table(heads, counts) + parts + "</section>\n";
+}
+
 }  // namespace
 
 std::string ChapterOf(const Claim& claim) {
@@ -111,7 +168,8 @@ std::string ChapterOf(const Claim& claim) {
   return std::string(id.substr(0, id.find_first_of(".-")));
 }
 
-std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures) {
+std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<DrawnFigure>& figures,
+                      const std::vector<CoverageRow>& coverage) {
   struct Chapter {
     std::string rows, figures;
     std::array<int, kStandings> counts = {};
@@ -145,9 +203,7 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
                                        {"thesis says", "number"},
                                        {"independent", "number"},
                                        {"ours", "number"},
-                                       {"allowed", "number"},
-                                       {"deviation", "number"},
-                                       {"unit"}},
+                                       {"allowed, deviation", "number"}},
                      chapter.rows);
     }
     parts += chapter.figures + "</details>\n";
@@ -158,7 +214,7 @@ std::string AtlasPage(const std::vector<ClaimResult>& claims, const std::vector<
                               : fmt::format("atlas of the thesis: {} claims otherwise than expected", unexpected),
               lead, reports::BuildLine(),
               "<section id=\"overview\"><h2>Claims by chapter</h2>\n" + Table(StandingHeads(), contents) +
-                  "</section>\n" + parts);
+                  "</section>\n" + CoverageHtml(coverage) + parts);
 }
 
 }  // namespace dynoproof::reports

@@ -13,6 +13,7 @@
 #include "thesis/atlas.h"
 #include "thesis/commands/atlas_page.h"
 #include "thesis/commands/commands.h"
+#include "thesis/coverage.h"
 #include "thesis/ledger.h"
 
 namespace dynoproof::app {
@@ -106,11 +107,61 @@ struct Summary {
   }
 };
 
+std::string GoldenFile(const char* name) { return (std::filesystem::path(GoldenFolder()) / name).string(); }
+
+/// `reproduce --coverage`: what of the thesis is here. Nothing is computed.
+int RunCoverage(const Common& common) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
+  const std::vector<Claim> claims = ReadLedger(GoldenFile("published.toml"), diagnostics);
+  const std::vector<AtlasFigure> figures = ReadFigures(GoldenFile("figures.toml"), diagnostics);
+  const std::vector<CoverageRow> rows =
+      ReadCoverage(GoldenFile("coverage.toml"), *registry, figures, claims, diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  if (!CanWrite({common.json})) return kBroken;
+
+  const std::vector<std::string> states = CoverageRow::States();
+  std::string text = fmt::format("{:<12}{:<10}{:<38}{}\n{}\n", "kind", "state", "name",
+                                 "what, why it is not whole, what covers it", std::string(140, '-'));
+  nlohmann::json document = {{"rows", nlohmann::json::array()}, {"summary", nlohmann::json::object()}};
+  for (const CoverageRow& row : rows) {
+    text += fmt::format("{:<12}{:<10}{:<38}{}{}\n", row.kind, row.state, row.name, row.title,
+                        row.place.empty() ? "" : "; " + row.place);
+    if (!row.reason.empty()) text += fmt::format("{:60}{}\n", "", row.reason);
+    if (!row.CoveredBy().empty()) text += fmt::format("{:60}{}\n", "", row.CoveredBy());
+    document["rows"].push_back({{"name", row.name},
+                                {"kind", row.kind},
+                                {"place", row.place},
+                                {"title", row.title},
+                                {"state", row.state},
+                                {"reason", row.reason.empty() ? nlohmann::json() : nlohmann::json(row.reason)},
+                                {"scenarios", row.scenarios},
+                                {"claims", row.claims},
+                                {"figures", row.figures},
+                                {"studies", row.studies},
+                                {"plugins", row.plugins}});
+  }
+  text += "\n";
+  std::vector<std::string> kinds = CoverageRow::Kinds();
+  kinds.push_back("");
+  for (const std::string& kind : kinds) {
+    const std::vector<int> counts = CountStates(rows, kind);
+    std::string line;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      line += fmt::format("{}{} {}", i == 0 ? "" : ", ", counts[i], states[i]);
+      document["summary"][kind.empty() ? "all" : kind][states[i]] = counts[i];
+    }
+    text += fmt::format("{:<12}{}\n", kind.empty() ? "all" : kind, line);
+  }
+  Print(common, text);
+  KeepJson(std::move(document));
+  return kGood;
+}
+
 int Run(const Common& common, const std::string& which, const std::string& html) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
-  const std::string file = (std::filesystem::path(GoldenFolder()) / "published.toml").string();
-  const std::vector<Claim> claims = ReadLedger(file, diagnostics);
+  const std::vector<Claim> claims = ReadLedger(GoldenFile("published.toml"), diagnostics);
   std::vector<const Claim*> chosen;
   std::vector<std::string> ids;
   for (const Claim& claim : claims) {
@@ -123,12 +174,23 @@ int Run(const Common& common, const std::string& which, const std::string& html)
                       near ? fmt::format("did you mean \"{}\"?", *near) : "see: dynoproof reproduce all");
   }
   std::vector<AtlasFigure> figures;
+  std::vector<CoverageRow> coverage;
   if (!html.empty()) {
-    figures = ReadFigures((std::filesystem::path(GoldenFolder()) / "figures.toml").string(), diagnostics);
+    figures = ReadFigures(GoldenFile("figures.toml"), diagnostics);
+    coverage = ReadCoverage(GoldenFile("coverage.toml"), *registry, figures, claims, diagnostics);
+    std::erase_if(coverage, [&](const CoverageRow& row) {
+      return which != "all" && std::find(row.claims.begin(), row.claims.end(), which) == row.claims.end();
+    });
     std::erase_if(figures, [&](const AtlasFigure& figure) {
       return which != "all" && std::none_of(chosen.begin(), chosen.end(),
                                             [&](const Claim* claim) { return Names(claim->place, figure.number); });
     });
+    // A row leads to the figures of this page.
+    for (CoverageRow& row : coverage) {
+      std::erase_if(row.figures, [&](const std::string& number) {
+        return std::ranges::none_of(figures, [&](const AtlasFigure& figure) { return figure.number == number; });
+      });
+    }
   }
   if (Report(diagnostics) != kGood) return kUsage;
   if (!CanWrite({html, common.json})) return kBroken;
@@ -162,7 +224,7 @@ int Run(const Common& common, const std::string& which, const std::string& html)
       Complain(fmt::format("Fig. {}: {}\n", one.figure.number, one.fault));
       exit = reports::WorseExit(exit, kShort);
     }
-    exit = reports::WorseExit(exit, WriteHtml(html, reports::AtlasPage(results, drawn)));
+    exit = reports::WorseExit(exit, WriteHtml(html, reports::AtlasPage(results, drawn, coverage)));
   }
   KeepJson(std::move(document));
   return exit;
@@ -174,18 +236,29 @@ void AddReproduce(CLI::App& program, int& exit) {
   struct Arguments {
     Common common;
     std::string which = "all", html;
+    bool coverage = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = program.add_subcommand(
       "reproduce", "the claims of the thesis: what it says, an independent value, ours, what is allowed, standing");
-  command->add_option("claim", arguments->which, "a claim's id, or all");
-  command->add_option("--html", arguments->html, "write the atlas: claims and figures in one page without a network")
-      ->check(NamesFile());
+  CLI::Option* claim = command->add_option("claim", arguments->which, "a claim's id, or all");
+  CLI::Option* html =
+      command
+          ->add_option("--html", arguments->html, "write the atlas: claims and figures in one page without a network")
+          ->check(NamesFile());
+  command
+      ->add_flag("--coverage", arguments->coverage,
+                 "what of the thesis is here: each model, algorithm, experiment, figure and table, and how far")
+      ->excludes(claim)
+      ->excludes(html);
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof reproduce all\n  dynoproof reproduce all --html out/atlas.html\n  dynoproof reproduce "
-              "B.1-numeric --json -");
-  command->callback([arguments, &exit] { exit = Run(arguments->common, arguments->which, arguments->html); });
+              "B.1-numeric --json -\n  dynoproof reproduce --coverage");
+  command->callback([arguments, &exit] {
+    exit = arguments->coverage ? RunCoverage(arguments->common)
+                               : Run(arguments->common, arguments->which, arguments->html);
+  });
 }
 
 }  // namespace dynoproof::app
