@@ -10,8 +10,10 @@
 #include "app/interruption.h"
 #include "base/json_text.h"
 #include "base/text.h"
+#include "experiment/golden.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "probe/proposal.h"
 #include "probe/report.h"
 #include "reports/probe_page.h"
 #include "scenario/find.h"
@@ -22,7 +24,7 @@ namespace {
 
 struct ProbeArguments {
   Common common;
-  std::string scenario, html, resume;
+  std::string scenario, html, resume, write;
   std::vector<std::string> overrides, without, effects, see;
   unsigned jobs = 0;
 };
@@ -122,6 +124,30 @@ bool Meets(const std::vector<probe::Demand>& demands, const probe::Probed& probe
   return all;
 }
 
+/// What would see the holes, as text; the lines go to the file of --write.
+int SayProposals(const ProbeArguments& arguments, const Prepared& prepared, const probe::Probed& probed,
+                 std::string& text, nlohmann::json& document) {
+  // A golden trace does not see what is blessed with it.
+  const bool asked = std::ranges::count(arguments.without, GoldenCheck::kName) == 0;
+  const std::vector<probe::Proposal> proposals =
+      asked ? probe::Propose(probed.findings, probed.apart) : std::vector<probe::Proposal>();
+  if (!proposals.empty()) text += "\nwould see it at half of what is usual\n";
+  for (const probe::Proposal& one : proposals) {
+    text += fmt::format(
+        "  golden {} within {:g} of its nominal: {} (two solvers are {:.1g} apart)\n", one.output, one.relative_width,
+        one.sees.size() <= 3 ? fmt::format("{}", fmt::join(one.sees, ", ")) : Counted(one.sees.size(), "error"),
+        one.builds);
+    document.push_back({{"output", one.output},
+                        {"kind", GoldenCheck::kName},
+                        {"relative_width", one.relative_width},
+                        {"sees", one.sees}});
+  }
+  if (arguments.write.empty()) return kGood;
+  const std::vector<std::string> stated = StatedChecks(prepared.plan);
+  return WriteText(arguments.write, proposals.empty() ? "# nothing to propose\n"
+                                                      : probe::ToLines(proposals, ComparesWithGolden(stated)));
+}
+
 int Probe(const ProbeArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
@@ -148,7 +174,7 @@ int Probe(const ProbeArguments& arguments) {
     Complain(fmt::format("--without: there is no kind of check \"{}\"; dynoproof list has them\n", kind));
     return kUsage;
   }
-  if (!CanWrite({arguments.html, arguments.common.json, arguments.resume})) return kBroken;
+  if (!CanWrite({arguments.html, arguments.common.json, arguments.resume, arguments.write})) return kBroken;
   Kept kept(arguments.resume);
   if (!kept.Open(KeyOf(*prepared, arguments))) return kUsage;
 
@@ -179,6 +205,9 @@ int Probe(const ProbeArguments& arguments) {
   nlohmann::json findings = nlohmann::json::array(), asked = nlohmann::json::array();
   for (const probe::Finding& one : probed->findings) findings.push_back(probe::ToJson(one));
   std::string text = prepared->plan.id + ": " + probe::ToTable(*probed);
+  nlohmann::json proposals = nlohmann::json::array();
+  if (const int written = SayProposals(arguments, *prepared, *probed, text, proposals); written != kGood)
+    return written;
   const bool met = Meets(demands, *probed, text, asked);
   Print(arguments.common, text);
   KeepJson({{"id", prepared->plan.id},
@@ -186,6 +215,7 @@ int Probe(const ProbeArguments& arguments) {
             {"asked", probed->asked},
             {"not_asked", probed->skipped},
             {"limits", findings},
+            {"proposals", proposals},
             {"demands", asked},
             {"runs", probed->runs}});
   if (!arguments.html.empty()) {
@@ -218,6 +248,8 @@ void AddProbe(CLI::App& program, int& exit) {
       ->allow_extra_args(false);
   command->add_option("--jobs", arguments->jobs, "runs at a time (default: one a core)")->check(CLI::Range(1, 1024));
   command->add_option("--resume", arguments->resume, "keep findings in this file as they come, and go on from there")
+      ->check(NamesFile());
+  command->add_option("--write", arguments->write, "write the lines of TOML that would see what passes")
       ->check(NamesFile());
   command->add_option("--html", arguments->html, "write the page: a map of changes over places")->check(NamesFile());
   AddCommon(*command, arguments->common);

@@ -20,19 +20,19 @@ constexpr double kClose = 1.1;     // the largest that passed and the least that
 constexpr double kBeyond = 1.04;   // two looks that far on both sides of the limit close the bracket
 constexpr double kFlat = 1.05;     // a share that a mutation has not raised by that much says nothing of its slope
 constexpr double kStride = 100.0;  // no step is larger: few effects are linear over more
-constexpr double kNoTrace =
-    1e-6;                        // what moves no output by more of its spread, at its usual strength, has no influence
-constexpr double kStill = 1e-3;  // of its nominal: an output that spreads less stands still
-constexpr int kFewLines = 3;     // what closes within these grows with its size
-constexpr int kMostLines = 6;    // steps by a line that has not closed the bracket by then is none
-constexpr int kMostRuns = 30;    // of one mutation: bisection alone needs 20 over six decades
+constexpr double kNoTrace = 1e-6;  // of an output's spread: what moves none by more at its usual strength is nowhere
+constexpr double kStill = 1e-3;    // of its nominal: an output that spreads less stands still
+constexpr int kFewLines = 3;       // what closes within these grows with its size
+constexpr int kMostLines = 6;      // steps by a line that has not closed the bracket by then is none
+constexpr int kMostRuns = 30;      // of one mutation: bisection alone needs 20 over six decades
 
 /// What one run says.
 struct Sight {
   bool refused = false, seen = false;
   double share = 0.0;  // of a limit, the largest; above 1 where it is seen, infinite where no number says how far
   std::string by;
-  double moves = 0.0;  // against the scenario as it is
+  double moves = 0.0;                   // against the scenario as it is
+  std::map<std::string, double> reach;  // the same by output: largest distance over its nominal
 };
 
 /// Makes runs of changed plans and looks at them with the checks that take part.
@@ -40,7 +40,6 @@ class Eye {
  public:
   static Result<Eye> Open(const Prepared& prepared, const Options& options) {
     Eye eye(prepared);
-    std::set<std::string> skipped;
     for (const auto& check : prepared.checks) {
       const CheckKind* kind = prepared.registry->FindCheck(check->kind);
       if (kind != nullptr && kind->follows_plan && eye.without_.insert(check->kind).second)
@@ -85,6 +84,7 @@ class Eye {
         magnitudes_ = MagnitudesOf(*prepared_.rig, own_);
       } else {
         sight.moves = DistanceTo(course.samples);
+        sight.reach = ReachOf(course.samples);
       }
     };
     const ScenarioResult result = RunScenario(*changed, options);
@@ -114,6 +114,17 @@ class Eye {
     return sight;
   }
 
+  /// By output, the largest distance of the other solver's run over the nominal; empty where it cannot be built or breaks.
+  std::map<std::string, double> OtherSolver() const {
+    Plan plan = prepared_.plan;
+    plan.root["run"]["solver"] = Value(prepared_.rig->run.solver == "reference" ? "realtime" : "reference");
+    Diagnostics refused;
+    const std::unique_ptr<Prepared> other = PrepareLike(prepared_, std::move(plan), refused);
+    if (other == nullptr) return {};
+    const Result<Course> course = Play(*other);
+    return course.ok() ? ReachOf(course->samples) : std::map<std::string, double>();
+  }
+
   double base() const { return base_; }
   const Magnitudes& magnitudes() const { return magnitudes_; }
   const std::vector<std::string>& asked() const { return asked_; }
@@ -135,6 +146,19 @@ class Eye {
       most = std::max(most, std::sqrt(sum / static_cast<double>(own.size())) / spread);
     }
     return most;
+  }
+
+  std::map<std::string, double> ReachOf(const Samples& other) const {
+    std::map<std::string, double> reach;
+    for (std::size_t i = 0; i < own_.outputs.size(); ++i) {
+      const std::vector<double>&own = own_.outputs[i], &its = other.outputs[i];
+      const OutputLine& line = prepared_.rig->outputs[i];
+      if (its.size() != own.size() || line.nominal == 0.0) continue;
+      double most = 0.0;
+      for (std::size_t k = 0; k < own.size(); ++k) most = std::max(most, std::abs(its[k] - own[k]));
+      reach[line.name] = most / line.nominal;
+    }
+    return reach;
   }
 
   const Prepared& prepared_;
@@ -170,6 +194,7 @@ class Search {
       At(1.0);
     }
     finding.runs = runs_;
+    finding.reach = reach_;
     finding.by = seen_.by;
     finding.moves = unseen_.moves;
     const bool any = unseen_size_ > 0.0 || seen_size_ > 0.0;
@@ -194,7 +219,10 @@ class Search {
     ++runs_;
     const Result<Sight> sight = eye_.Look(std::move(plan));
     if (!sight.ok() || sight->refused) return false;
-    if (usual_moves_ < 0.0) usual_moves_ = sight->moves;  // the first look is at what is usual
+    if (usual_moves_ < 0.0) {  // the first look is at what is usual
+      usual_moves_ = sight->moves;
+      reach_ = sight->reach;
+    }
     if (sight->seen) {
       seen_ = *sight;
       seen_size_ = size;
@@ -238,16 +266,18 @@ class Search {
   /// What no line has followed may be seen at less, too, and not in between: play lets go of a load and takes it up again.
   void LookBelow() {
     if (!(seen_size_ > 0.0 && unseen_size_ > 0.0) || lines_ <= kFewLines) return;
+    const Sight unseen = unseen_;
+    const double unseen_size = unseen_size_;
     for (const double factor : {1.2, 1.5, 2.0, 4.0}) {
-      const double size = unseen_size_ / factor;
-      const double seen_before = seen_size_;
+      const double size = unseen_size / factor, seen_before = seen_size_;
       if (size < lower_ || runs_ >= kMostRuns || !At(size)) return;
       if (seen_size_ < seen_before) {
         unseen_size_ = 0.0;
         lines_ = 0;
         return Bracket(std::max(lower_, seen_size_ / 2.0));
       }
-      unseen_size_ = size * factor;  // the bracket stays
+      unseen_ = unseen;  // the bracket stays
+      unseen_size_ = unseen_size;
     }
   }
 
@@ -269,6 +299,7 @@ class Search {
   Sight seen_, unseen_;
   double seen_size_ = 0.0, unseen_size_ = 0.0;  // 0: none yet
   double usual_moves_ = -1.0;                   // of an output, at the usual strength
+  std::map<std::string, double> reach_;
   int runs_ = 0, lines_ = 0;
 };
 
@@ -311,6 +342,7 @@ Result<Probed> Probe(const Prepared& prepared, const Options& options) {
     if (options.found) options.found(probed.findings[i], ++done, mutations.size());
   });
   Sort(probed.findings);
+  if (std::ranges::any_of(probed.findings, &Finding::IsHole)) probed.apart = eye->OtherSolver();
   return probed;
 }
 

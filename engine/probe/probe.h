@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct Finding {
   std::string by = {};           // the check that sees it there: the worst
   double moves =
       0.0;  // how far it moves an output where it is just not seen, RMS over that output's own spread: the largest
+  /// By output, how far the usual strength moves it from where it would be: the largest distance over its nominal.
+  std::map<std::string, double> reach = {};
   int runs = 0;
 
   /// A hole: what such errors usually have passes, and the run is another one.
@@ -59,6 +62,8 @@ struct Probed {
   std::vector<std::string> skipped;  // kinds that do not, with the reason
   std::vector<Finding> findings;     // by size, holes first
   int runs = 0;
+  /// By output, how far the run of the other solver is from this one, over the nominal; looked at where there is a hole.
+  std::map<std::string, double> apart = {};
 };
 
 /// The scenario must pass as it is, and some check must take part: else a failure with exit code 1.

@@ -160,6 +160,9 @@ nlohmann::json ToJson(const Finding& one) {
                         {"runs", one.runs},
                         {"parameters", nlohmann::json::object()}};
   for (const auto& [name, value] : one.parameters) out["parameters"][name] = number(value);
+  if (one.IsHole()) {
+    for (const auto& [output, distance] : one.reach) out["reach"][output] = number(distance);
+  }
   return out;
 }
 
@@ -189,6 +192,10 @@ std::optional<Finding> FromJson(const nlohmann::json& document) {
     one.runs = document.at("runs");
     for (const auto& [name, value] : document.at("parameters").items())
       one.parameters.emplace_back(name, value.get<double>());
+    const nlohmann::json reach = document.value("reach", nlohmann::json::object());
+    for (const auto& [output, distance] : reach.items()) {
+      if (distance.is_number()) one.reach[output] = distance.get<double>();
+    }
     return one;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;

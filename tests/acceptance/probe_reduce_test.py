@@ -88,6 +88,27 @@ class OnALine(unittest.TestCase):
         self.assertIn("of another scenario", run(self.folder, "probe", "line.toml", "--set", "run.duration_s=0.4", "--without", "golden",
                                                  "--resume", "kept.txt", code=2))
 
+    def test_what_it_proposes_halves_what_passes(self):
+        before = self.probe("--effects", "sensor_offset,sensor_gain", "--write", "lines.toml")
+        holes = [one for one in before["limits"] if one["hole"]]
+        self.assertTrue(holes)
+        lines = tomllib.loads((self.folder / "lines.toml").read_text())
+        golden = self.folder / "line.golden.toml"
+        self.addCleanup(golden.write_text, golden.read_text())
+        text = golden.read_text()
+        for name, of in lines["signal"].items():
+            head, rest = text.split(f"[signal.{name}]\n", 1)
+            text = head + f"[signal.{name}]\n" + rest.replace("relative_width = 0.02", f"relative_width = {of['relative_width']!r}", 1)
+        golden.write_text(text)
+        after = {(one["effect"], one["at"], one["direction"]): one for one in
+                 self.probe("--effects", "sensor_offset,sensor_gain")["limits"]}
+        for one in holes:
+            now = after[one["effect"], one["at"], one["direction"]]
+            self.assertLessEqual(now["smallest"], 0.55 * one["usual"], now)
+        # And both solvers still pass.
+        run(self.folder, "run", "line.toml")
+        run(self.folder, "run", "line.toml", "--solver", "reference")
+
     def test_a_page_shows_the_map(self):
         run(self.folder, "probe", "line.toml", "--effects", "sensor_offset", "--html", "p.html")
         page = (self.folder / "p.html").read_text()
