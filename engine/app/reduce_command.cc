@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "base/process.h"
 #include "base/text.h"
 #include "experiment/golden.h"
 #include "experiment/run_scenario.h"
@@ -21,9 +23,28 @@ namespace fs = std::filesystem;
 
 struct ReduceArguments {
   Common common;
-  std::string scenario, check, out = "reduced.toml";
+  std::string scenario, check, out = "reduced.toml", sound;
   std::vector<std::string> overrides;
   int most_runs = 100;
+};
+
+/// A folder that goes with its owner.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "dynoproof-reduce-XXXXXX").string();
+    if (mkdtemp(name.data()) != nullptr) folder_ = name;
+  }
+  ~Scratch() {
+    std::error_code error;
+    if (!folder_.empty()) fs::remove_all(folder_, error);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
 };
 
 /// Files that the scenario names as seen from its folder are named as seen from another one.
@@ -80,6 +101,28 @@ std::string ShownBy(const score::Check& check) {
                      check.limit);
 }
 
+/// Whether a program passes the check of a plan: it runs a file of it in a folder of its own. A run that breaks passes nothing.
+bool PassesWith(const std::string& program, const Plan& plan, const std::string& check, const Scratch& scratch) {
+  Value root = plan.root;
+  MoveFiles(root, fs::absolute(plan.file).parent_path(), scratch.folder());
+  const std::string file = (scratch.folder() / "tried.toml").string(),
+                    json = (scratch.folder() / "tried.json").string();
+  if (WriteText(file, ToToml(root)) != kGood) return false;
+  std::error_code error;
+  fs::remove(json, error);
+  RunProgram({program, "run", file, "--out", (scratch.folder() / "out").string(), "--json", json},
+             ErrorLines::kDropped);
+  const auto document = nlohmann::json::parse(ReadTextFile(json).value_or(""), nullptr, false);
+  if (!document.is_object() || document.value("scenarios", nlohmann::json::array()).size() != 1) return false;
+  const nlohmann::json& scenario = document["scenarios"][0];
+  if (scenario.value("verdict", "") == "broken") return false;
+  if (check.empty()) return true;  // a run that breaks here, and not there
+  for (const nlohmann::json& one : scenario.value("checks", nlohmann::json::array())) {
+    if (one.value("name", "") == check) return one.value("verdict", "") == "pass";
+  }
+  return false;
+}
+
 int Reduce(const ReduceArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
@@ -96,6 +139,11 @@ int Reduce(const ReduceArguments& arguments) {
   }
   const Interruption interruption(arguments.common, [] { return std::string("nothing was written"); });
   reduce::Options options{.check = arguments.check, .most_runs = arguments.most_runs};
+  const Scratch scratch;
+  if (!arguments.sound.empty())
+    options.sound = [&](const Plan& tried, const std::string& check) {
+      return PassesWith(arguments.sound, tried, check, scratch);
+    };
   options.progress = [&](const std::string& what, int runs) {
     ShowProgress(fmt::format("run {}: without {}", runs, what),
                  static_cast<double>(runs) / static_cast<double>(arguments.most_runs));
@@ -148,12 +196,16 @@ void AddReduce(CLI::App& program, int& exit) {
   command->add_option("--check", arguments->check, "name of the failing check, or its kind (default: the worst)");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
+  command->add_option(
+      "--sound", arguments->sound,
+      "a program that passes the check, as the last release: it must pass what is left, too (no golden check)");
   command->add_option("--out", arguments->out, "the scenario that is left (default reduced.toml)")->check(NamesFile());
   command->add_option("--most-runs", arguments->most_runs, "what is left after so many runs stands (default 100)")
       ->check(CLI::Range(1, 100000));
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof reduce line.toml\n"
+              "  dynoproof reduce line.toml --sound /usr/bin/dynoproof\n"
               "  dynoproof reduce backlash/clamped --check \"solvers T_shaft\" --out small.toml");
   command->callback([arguments, &exit] { exit = Reduce(*arguments); });
 }

@@ -16,7 +16,10 @@ namespace dynoproof::reduce {
 
 struct Options {
   std::string check = {};  // its name as `run` shows it, or its kind; empty: the one that is furthest beyond its limit
-  int most_runs = 100;     // what is left then stands
+  /// Whether another program passes that check of a plan, as the release before the fault: what it fails as well is another fault.
+  /// Empty: nobody is asked.
+  std::function<bool(const Plan& plan, const std::string& check)> sound = {};
+  int most_runs = 100;  // of either program; what is left then stands
   std::function<void(const std::string& what, int runs)> progress = {};
 };
 

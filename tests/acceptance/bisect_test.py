@@ -127,6 +127,6 @@ class Histories(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    for variable in ("DYNOPROOF_SCENARIOS", "DYNOPROOF_GOLDEN"):
+    for variable in ("CI", "DYNOPROOF_SCENARIOS", "DYNOPROOF_GOLDEN"):
         os.environ.pop(variable, None)
     unittest.main(argv=sys.argv[:1])

@@ -67,6 +67,25 @@ TEST(Reduce, KeepsTheFaultAndLittleElse) {
   EXPECT_EQ(VerdictOf(without, "largest T_shaft"), score::Verdict::kPass);
 }
 
+TEST(Reduce, KeepsWhatAnotherProgramNeedsToPass) {
+  std::vector<std::string> asked;
+  Options options{.check = "largest T_shaft"};
+  // A program that is sound as long as it sees the second inertia's speed.
+  options.sound = [&](const Plan& plan, const std::string& check) {
+    asked.push_back(check);
+    return plan.root.FindPath("output.w_2") != nullptr;
+  };
+  const Result<Reduced> reduced = Reduce(PulledChain(), Plugins(), options);
+  ASSERT_TRUE(reduced.ok()) << reduced.failure().ToString();
+  EXPECT_NE(reduced->plan.root.FindPath("output.w_2"), nullptr);
+  EXPECT_EQ(reduced->plan.root.FindPath("output.w_3"), nullptr);
+  EXPECT_THAT(asked, ::testing::Each("largest T_shaft"));
+  options.sound = [](const Plan&, const std::string&) { return false; };
+  const Result<Reduced> none = Reduce(PulledChain(), Plugins(), options);
+  ASSERT_FALSE(none.ok());
+  EXPECT_THAT(none.failure().message, HasSubstr("the other program fails this check as well"));
+}
+
 TEST(Reduce, TakesTheWorstWhereNoneIsNamed) {
   const Result<Reduced> reduced = Reduce(PulledChain(), Plugins(), {.most_runs = 5});
   ASSERT_TRUE(reduced.ok());
