@@ -61,21 +61,9 @@ void MoveFiles(Value& value, const fs::path& from, const fs::path& to) {
   }
 }
 
-/// The golden data beside the reduced scenario: the run of the one that was blessed, with the same taken out and the tolerances that
-/// it had; or, where only time was taken out, those that there were.
-int WriteGoldenBeside(const reduce::Reduced& reduced, const Plan& scenario, const std::string& out,
-                      const Registry& registry) {
-  if (reduced.first.stated != GoldenCheck::kName) return kGood;
-  Plan there = reduced.plan;
-  there.file = out;
-  there.id = fs::path(out).stem().string();
-  const GoldenPlace from = GoldenPlaceOf(scenario), to = GoldenPlaceOf(there);
-  if (const auto bytes = ReadTextFile(from.tolerances); bytes && WriteText(to.tolerances, *bytes) != kGood)
-    return kBroken;
-  if (!reduced.before) {
-    const auto bytes = ReadTextFile(from.trace);
-    return bytes ? WriteText(to.trace, *bytes) : kGood;
-  }
+/// The golden trace of the blessed scenario with the same taken out, and what the other solver makes of it.
+int WriteReducedGolden(const reduce::Reduced& reduced, const std::string& of, const GoldenPlace& place,
+                       const Registry& registry) {
   Diagnostics diagnostics;
   PrepareOptions other;
   other.solver = reduced.before->root.TextOr("run.solver", "realtime") == "reference" ? "realtime" : "reference";
@@ -88,10 +76,35 @@ int WriteGoldenBeside(const reduce::Reduced& reduced, const Plan& scenario, cons
     Complain(one->failure().ToString() + "\n");
     return kBroken;
   }
-  const Status failed = WriteGolden(to, {course->trace, beside->trace, StatedChecks(reduced.plan),
-                                         fmt::format("what is left of {} as it was blessed", scenario.id)});
+  const Status failed = WriteGolden(place, {course->trace, beside->trace, StatedChecks(reduced.plan),
+                                            fmt::format("what is left of {} as it was blessed", of)});
   if (failed) Complain(failed->ToString() + "\n");
   return failed ? kBroken : kGood;
+}
+
+/// The golden data beside the reduced scenario: the run of the one that was blessed, with the same taken out and the tolerances that
+/// it had; or, where only time was taken out, those that there were. Made elsewhere, so that nothing half has a final name.
+int WriteGoldenBeside(const reduce::Reduced& reduced, const Plan& scenario, const std::string& out,
+                      const Scratch& scratch, const Registry& registry) {
+  if (reduced.first.stated != GoldenCheck::kName) return kGood;
+  Plan there = reduced.plan;
+  there.id = fs::path(out).stem().string();
+  there.file = out;
+  const GoldenPlace to = GoldenPlaceOf(there);
+  GoldenPlace from = GoldenPlaceOf(scenario);
+  if (reduced.before) {
+    there.file = (scratch.folder() / fs::path(out).filename()).string();
+    const GoldenPlace made = GoldenPlaceOf(there);
+    if (const auto bytes = ReadTextFile(from.tolerances); bytes && WriteText(made.tolerances, *bytes) != kGood)
+      return kBroken;
+    if (const int written = WriteReducedGolden(reduced, scenario.id, made, registry); written != kGood) return written;
+    from = made;
+  }
+  for (const auto& [a, b] : {std::pair(from.trace, to.trace), std::pair(from.tolerances, to.tolerances)}) {
+    const auto bytes = ReadTextFile(a);
+    if (bytes && WriteText(b, *bytes) != kGood) return kBroken;
+  }
+  return kGood;
 }
 
 std::string ShownBy(const score::Check& check) {
@@ -159,8 +172,10 @@ int Reduce(const ReduceArguments& arguments) {
   const std::string again = fmt::format("dynoproof run {}", ShellQuoted(arguments.out));
   const std::string head =
       fmt::format("# What is left of {} that still fails \"{}\": {}\n", plan->id, reduced->check, again);
+  // The scenario last: what it is compared with is there by then.
+  if (const int golden = WriteGoldenBeside(*reduced, *plan, arguments.out, scratch, *registry); golden != kGood)
+    return golden;
   if (const int written = WriteText(arguments.out, head + ToToml(reduced->plan.root)); written != kGood) return written;
-  if (const int golden = WriteGoldenBeside(*reduced, *plan, arguments.out, *registry); golden != kGood) return golden;
 
   const std::size_t lines = reduced->steps.empty() ? reduced->lines_before : reduced->steps.back().lines;
   const double seconds = reduced->plan.root.NumberOr("run.duration_s", reduced->seconds_before);
