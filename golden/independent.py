@@ -229,6 +229,20 @@ def coupling(v):
     v["4.13-reynolds"] = 10.0 * 2.0 * 1e-3 * 0.125 / 0.126 / 50e-6
 
 
+def filtered(S, u, first, notches, r, T_d):
+    """The row that a row u becomes behind notch filters (5.1) of radius r; the two states of each stand in S from `first` on."""
+    for j, f in enumerate(notches):
+        nu, at = TURN * f * T_d, first + 2 * j
+        K = (1.0 + r * r - 2.0 * r * math.cos(nu)) / (2.0 - 2.0 * math.cos(nu))
+        out = K * u
+        out[at] += 1.0
+        S[at] = -2.0 * K * math.cos(nu) * u + 2.0 * r * math.cos(nu) * out
+        S[at, at + 1] += 1.0
+        S[at + 1] = K * u - r * r * out
+        u = out
+    return u
+
+
 class Loop:
     """Table A.7 under T_ref = -k_V H_1 .. H_n T_shaft at 10 kHz, the machine as a lag of which `direct` acts at once."""
 
@@ -254,15 +268,7 @@ class Loop:
         m = n + delay + 2 * len(notches)
         S, u = np.zeros((m, m)), np.zeros(m)
         u[:n] = self.C
-        for j, f in enumerate(notches):
-            nu, at = TURN * f * self.T_d, n + delay + 2 * j
-            K = (1.0 + r * r - 2.0 * r * math.cos(nu)) / (2.0 - 2.0 * math.cos(nu))
-            out = K * u
-            out[at] += 1.0
-            S[at] = -2.0 * K * math.cos(nu) * u + 2.0 * r * math.cos(nu) * out
-            S[at, at + 1] += 1.0
-            S[at + 1] = K * u - r * r * out
-            u = out
+        u = filtered(S, u, n + delay, notches, r, self.T_d)
         S[:n, :n] += self.A
         S[:n] += np.outer(self.B, -k_V * u if delay == 0 else np.eye(m)[n + delay - 1])
         for d in range(delay):
@@ -364,15 +370,7 @@ class MachineLoop:
         S, E, u = np.zeros((m, m)), np.eye(m), np.zeros(m)
         integral, voltage, angle = n, n + 1, n + 2
         u[:n] = self.shaft
-        for j, f in enumerate(notches):
-            nu, at = TURN * f * self.T_d, n + 3 + 2 * j
-            K = (1.0 + r * r - 2.0 * r * math.cos(nu)) / (2.0 - 2.0 * math.cos(nu))
-            out = K * u
-            out[at] += 1.0
-            S[at] = -2.0 * K * math.cos(nu) * u + 2.0 * r * math.cos(nu) * out
-            S[at, at + 1] += 1.0
-            S[at + 1] = K * u - r * r * out
-            u = out
+        u = filtered(S, u, n + 3, notches, r, self.T_d)
         speed = np.zeros(m)
         speed[:n] = self.speed
         i_q = E[n - 2] - self.i_d * E[angle]

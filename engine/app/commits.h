@@ -14,8 +14,9 @@ struct Commit {
 
 class Commits {
  public:
-  /// Of the repository around the present folder: those after `good` up to `bad`, the oldest first, by first parents. A failure with
-  /// exit code 2 where there is no repository, no such commit, or none between.
+  /// Reads from the repository around the present folder the commits that come after `good`, up to and with `bad`. Merges are
+  /// followed along their first parent; the oldest commit comes first. Fails with exit code 2 where there is no repository, no such
+  /// commit, or none between the two.
   static Result<Commits> Between(const std::string& good, const std::string& bad);
 
   const std::string& root() const { return root_; }  // of the repository

@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/extension.h"
+#include "app/scratch.h"
 #include "base/process.h"
 #include "base/text.h"
 #include "experiment/build_info.h"
@@ -189,19 +190,12 @@ int Bless(const BlessArguments& arguments) {
                     "[[check]]\nkind = \"golden\"\n",
                     prepared->plan.id));
   }
-  std::string pattern = (std::filesystem::temp_directory_path() / "dynoproof-bless-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    Complain(fmt::format("cannot make a folder in {}: {}\n", std::filesystem::temp_directory_path().string(),
-                         std::generic_category().message(errno)));
-    return kBroken;
-  }
-  const std::filesystem::path out = pattern;
+  const Scratch scratch("bless");
+  if (!scratch.ok()) return kBroken;
   RunOptions options;
-  options.out = out.string();
+  options.out = scratch.folder().string();
   const ScenarioResult result = RunScenario(*prepared, options);
-  const Result<trace::Trace> trace = trace::ReadTrace((out / (prepared->plan.id + ".h5")).string());
-  std::error_code ignored;
-  std::filesystem::remove_all(out, ignored);
+  const Result<trace::Trace> trace = trace::ReadTrace((scratch.folder() / (prepared->plan.id + ".h5")).string());
   if (!result.broken.empty() || !trace.ok()) {
     Complain((result.broken.empty() ? trace.failure().ToString() : result.broken) + "\n");
     return kBroken;

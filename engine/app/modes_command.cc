@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
+#include "app/one_scenario.h"
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
 #include "reports/run_report.h"
-#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
@@ -105,15 +105,14 @@ std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& setti
 int Run(const Common& common, const std::string& name, const std::vector<std::string>& overrides) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
-  const std::vector<std::string> files = FindScenarios(name, diagnostics);
-  if (files.size() > 1) diagnostics.Error({name}, "is a folder", "name one scenario");
+  const std::optional<std::string> file = OneScenario(name, diagnostics);
   std::unique_ptr<Prepared> prepared;
-  if (files.size() == 1) prepared = Prepare(files[0], {overrides, "", nullptr}, *registry, diagnostics);
+  if (file) prepared = Prepare(*file, {overrides, "", nullptr}, *registry, diagnostics);
   std::optional<AnalysisSettings> settings;
   if (prepared != nullptr) {
     settings = ReadAnalysis(prepared->plan, *prepared->rig, diagnostics);
     if (!settings && !diagnostics.has_errors()) {
-      diagnostics.Error({files[0]}, "the scenario has no section [analysis]",
+      diagnostics.Error({*file}, "the scenario has no section [analysis]",
                         "add [analysis] with input = ... and output = ...");
     }
   }

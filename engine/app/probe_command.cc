@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "app/one_scenario.h"
 #include "base/json_text.h"
 #include "base/text.h"
 #include "experiment/golden.h"
@@ -16,7 +17,6 @@
 #include "probe/proposal.h"
 #include "probe/report.h"
 #include "reports/probe_page.h"
-#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
@@ -29,7 +29,8 @@ struct ProbeArguments {
   unsigned jobs = 0;
 };
 
-/// What the file of --resume belongs to: other findings would come of another scenario, program or choice of checks.
+/// A fingerprint of all that findings depend on: the scenario, the program, its solver and --without. A file of --resume that
+/// carries another one belongs to another probe.
 std::string KeyOf(const Prepared& prepared, const ProbeArguments& arguments) {
   const trace::Provenance build = BuildProvenance();
   return Fingerprint(fmt::format("{} {} {} {}", ToToml(prepared.plan.root), build.Text("commit").value_or(""),
@@ -151,10 +152,9 @@ int SayProposals(const ProbeArguments& arguments, const Prepared& prepared, cons
 int Probe(const ProbeArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  const std::vector<std::string> files = FindScenarios(arguments.scenario, diagnostics);
-  if (files.size() > 1) diagnostics.Error({arguments.scenario}, "is a folder", "name one scenario");
+  const std::optional<std::string> file = OneScenario(arguments.scenario, diagnostics);
   std::unique_ptr<Prepared> prepared;
-  if (files.size() == 1) prepared = Prepare(files[0], {arguments.overrides, "", nullptr}, *registry, diagnostics);
+  if (file) prepared = Prepare(*file, {arguments.overrides, "", nullptr}, *registry, diagnostics);
   if (Report(diagnostics) != kGood || prepared == nullptr) return kUsage;
   std::vector<probe::Demand> demands;
   std::vector<std::string> names;
@@ -184,7 +184,7 @@ int Probe(const ProbeArguments& arguments) {
                : fmt::format("what was found is in {}: the same command goes on", arguments.resume);
   });
   probe::Options options{.without = arguments.without, .effects = arguments.effects, .threads = arguments.jobs};
-  // What is demanded has to be looked for.
+  // A change that --see asks about is probed although --effects does not name it.
   if (!options.effects.empty()) options.effects.insert(options.effects.end(), names.begin(), names.end());
   options.known = kept.findings;
   options.found = [&](const probe::Finding& finding, std::size_t done, std::size_t all) {

@@ -2,18 +2,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/app.h"
 #include "app/interruption.h"
+#include "app/one_scenario.h"
+#include "app/scratch.h"
 #include "base/process.h"
 #include "base/text.h"
 #include "experiment/golden.h"
 #include "experiment/run_scenario.h"
 #include "reduce/reduce.h"
-#include "scenario/find.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
@@ -26,25 +26,6 @@ struct ReduceArguments {
   std::string scenario, check, out = "reduced.toml", sound;
   std::vector<std::string> overrides;
   int most_runs = 100;
-};
-
-/// A folder that goes with its owner.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "dynoproof-reduce-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) folder_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    if (!folder_.empty()) fs::remove_all(folder_, error);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& folder() const { return folder_; }
-
- private:
-  fs::path folder_;
 };
 
 /// Files that the scenario names as seen from its folder are named as seen from another one.
@@ -139,20 +120,20 @@ bool PassesWith(const std::string& program, const Plan& plan, const std::string&
 int Reduce(const ReduceArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  const std::vector<std::string> files = FindScenarios(arguments.scenario, diagnostics);
-  if (files.size() > 1) diagnostics.Error({arguments.scenario}, "is a folder", "name one scenario");
+  const std::optional<std::string> file = OneScenario(arguments.scenario, diagnostics);
   std::optional<Plan> plan;
-  if (files.size() == 1) plan = LoadPlan(files[0], arguments.overrides, diagnostics);
+  if (file) plan = LoadPlan(*file, arguments.overrides, diagnostics);
   if (Report(diagnostics) != kGood || !plan) return kUsage;
   if (!CanWrite({arguments.out, arguments.common.json})) return kBroken;
   std::error_code error;
-  if (fs::equivalent(arguments.out, files[0], error)) {
+  if (fs::equivalent(arguments.out, *file, error)) {
     Complain(arguments.out + ": is the scenario itself; --out names another file\n");
     return kUsage;
   }
   const Interruption interruption(arguments.common, [] { return std::string("nothing was written"); });
   reduce::Options options{.check = arguments.check, .most_runs = arguments.most_runs};
-  const Scratch scratch;
+  const Scratch scratch("reduce");
+  if (!scratch.ok()) return kBroken;
   if (!arguments.sound.empty())
     options.sound = [&](const Plan& tried, const std::string& check) {
       return PassesWith(arguments.sound, tried, check, scratch);
@@ -168,7 +149,7 @@ int Reduce(const ReduceArguments& arguments) {
     return reduced.failure().exit_code;
   }
   const fs::path folder = fs::absolute(arguments.out).parent_path();
-  MoveFiles(reduced->plan.root, fs::absolute(files[0]).parent_path(), folder);
+  MoveFiles(reduced->plan.root, fs::absolute(*file).parent_path(), folder);
   const std::string again = fmt::format("dynoproof run {}", ShellQuoted(arguments.out));
   const std::string head =
       fmt::format("# What is left of {} that still fails \"{}\": {}\n", plan->id, reduced->check, again);

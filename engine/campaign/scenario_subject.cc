@@ -10,6 +10,7 @@
 #include "experiment/run_scenario.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
+#include "score/share.h"
 #include "sim/batch.h"
 #include "trace/trace_io.h"
 
@@ -234,7 +235,7 @@ class ScenarioSubject : public Subject {
     bool judged = !result.checks.empty();
     row.verdict = judged ? score::Combine(result.checks) : Verdict::kPass;
     for (const score::Check& check : result.checks) {
-      row.Takes(check.at_least ? check.limit / check.value : check.value / check.limit,
+      row.Takes(score::ShareOfLimit(check),
                 fmt::format("{}: {:.6g}, limit {:.6g}", check.name, check.value, check.limit));
       if (check.verdict == Verdict::kPass || !row.why.empty()) continue;
       row.why = check.name + ": " +

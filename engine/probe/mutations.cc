@@ -27,7 +27,7 @@ double LargestSize(const EffectInfo& info, const std::vector<std::size_t>& sized
   return std::isfinite(largest) ? largest : 0.0;
 }
 
-/// What an effect's parameters are at a size.
+/// Gives the parameters of an effect, in its order, for a size.
 using ValuesAt = std::function<std::vector<double>(double size)>;
 
 /// Takes an effect up with these values.
@@ -45,7 +45,8 @@ void Add(const Effect& effect, const Place& place, Mutation mutation, const Valu
   all.push_back(std::move(mutation));
 }
 
-/// Of a parameter in the unit of its signal ("in the unit of the output per second") that unit; else its own.
+/// The unit of a parameter. Effects on signals describe some parameters as "in the unit of the output" or "... per second": the
+/// scenario tells that unit.
 std::string UnitOf(const EffectParameter& parameter, const Place& place, const Plan& plan) {
   if (parameter.description.find("in the unit of") == std::string::npos) return parameter.unit;
   const std::string unit = plan.root.TextOr(place.kind + "." + place.name + ".unit");

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/within.h"
 #include "experiment/run_scenario.h"
+#include "score/share.h"
 
 namespace dynoproof::probe {
 namespace {
@@ -96,11 +97,11 @@ class Eye {
       return sight;
     }
     for (const score::Check& check : result.checks) {
-      // What an integrator costs changes with any number, and with the compiler: it is no statement about the model.
+      // Counters say what an integrator cost. They change with any number and with the compiler, and do not judge the model.
       const bool of_records = check.stated.empty();
       if (check.kind == "counters" || without_.contains(of_records ? std::string("record") : check.stated)) continue;
       if (first) asked_.push_back(check.name);
-      const double share = check.at_least ? check.limit / check.value : check.value / check.limit;
+      const double share = score::ShareOfLimit(check);
       const bool fails = check.verdict != score::Verdict::kPass;
       const double counted = !fails                                        ? (Within(share, 1.0) ? share : 0.0)
                              : std::isfinite(share) && Reaches(share, 1.0) ? share

@@ -1,4 +1,4 @@
-// What the checks of a scenario would not see: each way in which its model may be wrong, at the strength from which a check fails.
+// The probe makes the model of a scenario wrong in each way that the program knows, and finds the strength from which a check fails.
 #pragma once
 
 #include <functional>
@@ -28,8 +28,8 @@ struct Finding {
   bool sized = false, falling = false;
   double usual = 0.0;  // the strength that such errors usually have
   State state = State::kUnseen;
-  /// The strength from which it is seen: between the largest that passed and the least that failed, which are at most a tenth
-  /// apart. Of what is never seen, the largest that was tried.
+  /// The strength from which a check fails: the geometric mean of the largest that passed and the least that failed, which are at
+  /// most a tenth apart. Where no check ever fails, the largest strength that was tried.
   double strength = 0.0;
   bool at_once = false;  // seen at the least that was tried: the strength is that
   double size = 0.0;     // the same over what is usual; of a limit, on a logarithmic scale from where it does nothing

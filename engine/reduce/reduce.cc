@@ -13,6 +13,7 @@
 #include "experiment/run_scenario.h"
 #include "reduce/moves.h"
 #include "scenario/load.h"
+#include "score/share.h"
 
 namespace dynoproof::reduce {
 namespace {
@@ -47,7 +48,7 @@ struct Symptom {
 
 Symptom SymptomOf(const score::Check& check) {
   Symptom one{.name = WithoutNumbers(check.name), .check = check};
-  one.share = check.at_least ? check.limit / check.value : check.value / check.limit;
+  one.share = score::ShareOfLimit(check);
   one.number = std::isfinite(check.value) && std::isfinite(check.limit);
   if (!std::isfinite(one.share)) one.share = std::numeric_limits<double>::infinity();
   if (!one.number) one.words = WithoutNumbers(check.explanation);

@@ -6,8 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/one_scenario.h"
 #include "experiment/prepare.h"
-#include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/commands/commands.h"
 #include "thesis/coupling.h"
@@ -30,13 +30,12 @@ std::string Cell(double value, int digits) {
 int Run(const Arguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  const std::vector<std::string> files = FindScenarios(arguments.name, diagnostics);
-  if (files.size() > 1) diagnostics.Error({arguments.name}, "is a folder", "name one scenario");
+  const std::optional<std::string> file = OneScenario(arguments.name, diagnostics);
   std::unique_ptr<Prepared> prepared;
-  if (files.size() == 1) prepared = Prepare(files[0], {arguments.overrides, "", nullptr}, *registry, diagnostics);
+  if (file) prepared = Prepare(*file, {arguments.overrides, "", nullptr}, *registry, diagnostics);
   const Value* shaft = prepared != nullptr ? prepared->plan.root.FindPath("plant.shaft." + arguments.shaft) : nullptr;
   if (prepared != nullptr && shaft == nullptr)
-    diagnostics.Error({files[0]}, fmt::format("there is no shaft \"{}\"", arguments.shaft), "--shaft NAME");
+    diagnostics.Error({*file}, fmt::format("there is no shaft \"{}\"", arguments.shaft), "--shaft NAME");
   if (Report(diagnostics) != kGood) return kUsage;
   const auto fail = [](const Failure& failure) {
     Complain(failure.ToString() + "\n");
