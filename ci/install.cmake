@@ -6,7 +6,8 @@ include(CMakePackageConfigHelpers)
 # The program and its data; engine/scenario/find.cc finds these from the program's own place.
 install(TARGETS dynoproof DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY scenarios golden DESTINATION share/dynoproof PATTERN oracles EXCLUDE)
-install(FILES reports/run.schema.json DESTINATION share/dynoproof)
+install(FILES reports/run.schema.json reports/probe.schema.json reports/reduce.schema.json reports/bisect.schema.json
+        DESTINATION share/dynoproof)
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff ci/copyright DESTINATION share/doc/dynoproof)
 install(DIRECTORY bench/campaigns DESTINATION share/doc/dynoproof/examples PATTERN blind.toml EXCLUDE)
 

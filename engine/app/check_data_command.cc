@@ -8,6 +8,7 @@
 #include "app/measured.h"
 #include "base/text.h"
 #include "diagnosis/data_check.h"
+#include "diagnosis/prospects.h"
 #include "estimation/horizon.h"
 #include "identification/suspects.h"
 #include "scenario/find.h"
@@ -19,6 +20,7 @@ namespace {
 struct CheckArguments {
   Common common;
   std::string data, map, scenario;
+  bool candidates = false;
 };
 
 /// Columns that a map or the scenario asks for, by name; all of them where neither does.
@@ -91,8 +93,64 @@ void AddSuspects(const diagnosis::EstimationProblem& problem, std::vector<diagno
   }
 }
 
+/// What a comparison with a scenario's simulation has told beside its findings.
+struct Beside {
+  bool compared = false;
+  std::optional<estimation::Horizon> horizon;
+  std::optional<diagnosis::Prospects> prospects;
+};
+
+/// How far ahead the scenario predicts and, where it is asked for and the record has no fault, which candidate would help.
+Status LookAhead(const CheckArguments& arguments, const MeasuredCase& measured, const Registry& registry, bool faulty,
+                 Beside& beside) {
+  Result<std::optional<estimation::Horizon>> ahead =
+      estimation::HorizonOf(measured.plan, measured.data.front(), registry);
+  if (!ahead.ok()) return ahead.failure();
+  beside.horizon = *std::move(ahead);
+  if (!beside.horizon)
+    Note("how far ahead the scenario predicts is not told: no output moves, or the record is too short\n");
+  if (!arguments.candidates || faulty) return {};
+  Result<diagnosis::Prospects> found = diagnosis::ProspectsOf(measured.plan, measured.data, registry);
+  if (!found.ok()) return found.failure();
+  beside.prospects = *std::move(found);
+  return {};
+}
+
+Status CompareWithScenario(const CheckArguments& arguments, const Registry& registry,
+                           std::vector<diagnosis::Finding>& findings, Diagnostics& diagnostics, Beside& beside) {
+  const std::vector<std::string> maps =
+      arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
+  Diagnostics loading;
+  std::optional<MeasuredCase> measured =
+      LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, registry, loading);
+  // A used column with cells that are no numbers is told by the finding, with all others.
+  const bool told = !measured && std::any_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
+    return f.fault && f.kind == "not_finite";
+  });
+  if (!told) diagnostics.Append(loading);
+  if (!measured) return {};
+  StartAt(BeginAsRecorded(measured->plan, registry, measured->data.front()), measured->plan);
+  for (const std::string& note : measured->data.front().notes) Note(note + "\n");
+  // The mapper has spoken of cells without a number.
+  std::erase_if(findings, [](const diagnosis::Finding& f) { return f.kind == "not_finite"; });
+  const diagnosis::EstimationProblem problem(measured->plan, measured->data, registry);
+  for (const auto& check : {diagnosis::CheckAgainst, diagnosis::DistancesOf}) {
+    const Result<std::vector<diagnosis::Finding>> against = check(problem);
+    if (!against.ok()) return against.failure();
+    findings.insert(findings.end(), against->begin(), against->end());
+  }
+  beside.compared = !measured->data.front().outputs.empty();
+  if (!beside.compared) return {};
+  AddSuspects(problem, findings);
+  return LookAhead(arguments, *measured, registry, std::ranges::any_of(findings, &diagnosis::Finding::fault), beside);
+}
+
 int CheckData(const CheckArguments& arguments) {
   Diagnostics diagnostics;
+  if (arguments.candidates && arguments.scenario.empty()) {
+    Complain("--candidates asks what a scenario lacks: name it with --scenario\n");
+    return kUsage;
+  }
   const std::optional<RecordMap> map = ReadRecordMap(arguments.map, diagnostics);
   if (!map) return Report(diagnostics);
   const Result<trace::Record> record = ReadRecord(arguments.data, *map);
@@ -121,46 +179,12 @@ int CheckData(const CheckArguments& arguments) {
     return f.fault && (f.kind == "not_rising" || f.kind == "short");
   });
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
-  bool compared = false;
-  std::optional<estimation::Horizon> horizon;
+  Beside beside;
   if (!arguments.scenario.empty() && usable) {
-    const std::vector<std::string> maps =
-        arguments.map.empty() ? std::vector<std::string>{} : std::vector<std::string>{arguments.map};
-    Diagnostics loading;
-    std::optional<MeasuredCase> measured =
-        LoadMeasured(arguments.scenario, {arguments.data}, maps, {}, {}, *registry, loading);
-    // A used column with cells that are no numbers is told by the finding, with all others.
-    const bool told = !measured && std::any_of(findings.begin(), findings.end(), [](const diagnosis::Finding& f) {
-      return f.fault && f.kind == "not_finite";
-    });
-    if (!told) diagnostics.Append(loading);
-    if (measured) {
-      StartAt(BeginAsRecorded(measured->plan, *registry, measured->data.front()), measured->plan);
-      for (const std::string& note : measured->data.front().notes) Note(note + "\n");
-      // The mapper has spoken of cells without a number.
-      std::erase_if(findings, [](const diagnosis::Finding& f) { return f.kind == "not_finite"; });
-      const diagnosis::EstimationProblem problem(measured->plan, measured->data, *registry);
-      for (const auto& check : {diagnosis::CheckAgainst, diagnosis::DistancesOf}) {
-        const Result<std::vector<diagnosis::Finding>> against = check(problem);
-        if (!against.ok()) {
-          Complain(against.failure().ToString() + "\n");
-          return against.failure().exit_code;
-        }
-        findings.insert(findings.end(), against->begin(), against->end());
-      }
-      compared = !measured->data.front().outputs.empty();
-      if (compared) AddSuspects(problem, findings);
-      if (compared) {
-        Result<std::optional<estimation::Horizon>> ahead =
-            estimation::HorizonOf(measured->plan, measured->data.front(), *registry);
-        if (!ahead.ok()) {
-          Complain(ahead.failure().ToString() + "\n");
-          return ahead.failure().exit_code;
-        }
-        horizon = *std::move(ahead);
-        if (!horizon)
-          Note("how far ahead the scenario predicts is not told: no output moves, or the record is too short\n");
-      }
+    const Status failed = CompareWithScenario(arguments, *registry, findings, diagnostics, beside);
+    if (failed) {
+      Complain(failed->ToString() + "\n");
+      return failed->exit_code;
     }
   }
   if (Report(diagnostics) != kGood) return kUsage;
@@ -179,18 +203,20 @@ int CheckData(const CheckArguments& arguments) {
                     {"at_s", finding.at_s},
                     {"nrmse", finding.nrmse ? nlohmann::json(*finding.nrmse) : nlohmann::json()}});
   }
-  if (horizon && faults == 0) text += horizon->ToText() + "\n";
-  if (horizon && faults > 0) text += "\nWhat the model gets wrong can be told when the faults are mended.\n\n";
+  if (beside.horizon && faults == 0) text += beside.horizon->ToText() + "\n";
+  if (beside.prospects) text += beside.prospects->ToTable() + "\n";
+  if (beside.horizon && faults > 0) text += "\nWhat the model gets wrong can be told when the faults are mended.\n\n";
   text += fmt::format("{}: {}, {}, {}{}\n", arguments.data, Counted(record->columns.size(), "column"),
                       Counted(static_cast<std::size_t>(faults), "fault"),
                       Counted(findings.size() - static_cast<std::size_t>(faults), "note"),
                       arguments.scenario.empty() ? ""
-                      : compared                 ? ", compared with the simulation"
+                      : beside.compared          ? ", compared with the simulation"
                                                  : ", nothing compared");
   Print(arguments.common, text);
-  const int exit = faults > 0 ? kUsage : !arguments.scenario.empty() && !compared ? kUndecided : kGood;
+  const int exit = faults > 0 ? kUsage : !arguments.scenario.empty() && !beside.compared ? kUndecided : kGood;
   nlohmann::json json = {{"findings", std::move(list)}};
-  if (horizon) AddTo(json, *horizon);
+  if (beside.horizon) AddTo(json, *beside.horizon);
+  if (beside.prospects) AddTo(json, *beside.prospects);
   KeepJson(std::move(json));
   return exit;
 }
@@ -204,11 +230,14 @@ void AddCheckData(CLI::App& program, int& exit) {
   command->add_option("--map", arguments->map, "which column is which signal (TOML)");
   command->add_option("--scenario", arguments->scenario,
                       "check units, signs, delays and columns against its simulation");
+  command->add_flag("--candidates", arguments->candidates,
+                    "tell which effect at which place would remove how much of what the scenario gets wrong");
   AddCommon(*command, arguments->common);
   AddExamples(
       *command,
       "  dynoproof check-data record.csv\n"
       "  dynoproof check-data record.csv --map map.toml --scenario diagnose/r2r_soft\n"
+      "  dynoproof check-data record.csv --scenario diagnose/r2r_soft --candidates\n"
       "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE), and how "
       "far ahead the\n"
       "scenario predicts it: in runs that the record corrects, by a memory from a few samples on, and in a free run.");

@@ -49,12 +49,15 @@ std::size_t WithPlainerLaws(std::vector<Contestant>& ranked, std::size_t kept, s
 
 }  // namespace
 
-Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
+Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
   const Hypothesis base(plan);
   Hypothesis free = released ? base.WithNominalValuesReleased(registry) : base.WithNominalValuesFree(registry);
   for (std::size_t r = 0; r < levels.data().records().size(); ++r) free = free.WithStartFree(r, registry);
-  free = free.WithDifferencesFree(levels.data().records().size());
-  Contestant null(std::move(free));
+  return free.WithDifferencesFree(levels.data().records().size());
+}
+
+Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
+  Contestant null(NullHypothesis(plan, released, levels, registry));
   std::vector<const Predictor*> order;
   for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
   // From near by: let go, a model that lacks its effect has no truth to go to, and what it finds first is nearer to the plan as
@@ -85,7 +88,9 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
   Conduct part = conduct;
   part.progress = [&](double share) { conduct.progress(0.1 + 0.4 * share); };
   part.progress(0.0);
-  std::vector<Contestant> ranked = FirstLook(null, levels, contest.first, magnitudes, registry, part);
+  Looked looked = FirstLook(null, levels, contest.first, magnitudes, registry, part);
+  std::vector<Contestant>& ranked = looked.ranked;
+  contest.silent = std::move(looked.silent);
   count("first look");
   std::size_t kept =
       std::min(null.hypothesis.effects().empty() ? policy::kCarried : policy::kCarriedOnTop, ranked.size());

@@ -7,6 +7,7 @@
 
 #include "diagnosis/conduct.h"
 #include "diagnosis/contestant.h"
+#include "diagnosis/diagnose.h"
 #include "model/registry.h"
 
 namespace dynoproof::diagnosis {
@@ -19,6 +20,7 @@ struct Contest {
   std::size_t first = 0;                // the level of the first look
   std::vector<Contestant> contestants;  // the null first
   std::vector<Contestant> left_behind;  // after the first look, the best first
+  std::vector<NotTestable> silent;      // that moved no output
   struct Cost {
     std::string stage;
     std::int64_t simulations;
@@ -28,7 +30,10 @@ struct Contest {
   const Contestant& null() const { return contestants.front(); }
 };
 
-/// The plan without further effects, its nominal values and the starts of records that it holds free, fitted at every level.
+/// The plan without further effects, its nominal values and the starts of records that it holds free.
+estimation::Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
+
+/// The same, fitted at every level.
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
 
 /// `magnitudes`: of the first record. Fails where the null breaks at every level.

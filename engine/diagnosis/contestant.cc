@@ -56,6 +56,13 @@ double LogExcess(const std::vector<ChannelScale>& scales, const DataSet& data) {
   return sum / static_cast<double>(std::max<std::size_t>(1, scales.size()));
 }
 
+void WeighAs(const Estimate& estimate, const DataSet& data, VectorXd& rows) {
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    rows.segment(channel.begin, channel.count) /= estimate.scales[c].rms * std::sqrt(estimate.scales[c].correlation);
+  }
+}
+
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
   return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
                         LogExcess(null.levels[level].scales, levels.data()));

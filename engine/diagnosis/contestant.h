@@ -41,6 +41,9 @@ double LogExcess(const std::vector<estimation::ChannelScale>& scales, const esti
 /// The share of the null's excess that a model removes at a level where both hold.
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
 
+/// Weighs rows as a fit has weighed its innovations (estimator.h): over each channel's scale and the root of its correlation time.
+void WeighAs(const estimation::Estimate& estimate, const estimation::DataSet& data, Eigen::VectorXd& rows);
+
 /// The contestant whose excess at a level is least; null where none holds there.
 const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t level);
 

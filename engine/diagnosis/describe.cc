@@ -102,6 +102,21 @@ double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
   return std::sqrt(sum / static_cast<double>(channels.size()));
 }
 
+/// The share of unknown forces that the innovations of a model are most likely with: how much of what drives the machine it does not
+/// account for. Nothing where its run holds at no level.
+std::optional<double> UnknownForcesOf(const Contestant& one, const Levels& levels) {
+  std::optional<double> share;
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!one.Holds(level) || one.levels[level].innovations.size() == 0) continue;
+    const double likelihood = estimation::LogLikelihood(one.levels[level], levels[level]);
+    if (!(likelihood > best)) continue;
+    best = likelihood;
+    share = levels[level].free_run() ? 0.0 : levels[level].observer()->share();
+  }
+  return share;
+}
+
 /// The nominal plan with what a model has found of each record: its start, and how numbers differ there.
 Plan FromTheStartOf(const Plan& begun, const Contestant& one, const Eigen::VectorXd& q) {
   Plan plan = begun;
@@ -255,6 +270,8 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   if (before.ok()) result.where = Localise(problem, problem.measured() - *before, floors);
   if (after.ok()) TestResidual(problem, *after, result);
   result.not_testable = NotTestableOf(problem);
+  result.not_testable.insert(result.not_testable.end(), contest.silent.begin(), contest.silent.end());
+  result.unknown_forces = UnknownForcesOf(model, levels);
   if (const auto horizon = estimation::HorizonOf(given, problem.records().front(), problem.registry());
       horizon.ok() && *horizon)
     result.horizon_s = (*horizon)->horizon_s;

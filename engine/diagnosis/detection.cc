@@ -62,7 +62,6 @@ class Remainder {
   /// Whether a remainder would have named its effect: a share of the excess that counts, and a weight of the null that is
   /// significantly below one.
   bool Shows(const VectorXd& left) const {
-    constexpr double kDeviations = 4.0 / 0.9;  // as estimation::Compare() asks of a weight
     double sum = 0.0;
     const auto& channels = levels_.data().channels();
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -72,7 +71,8 @@ class Remainder {
       const double power = left.segment(channels[c].begin, channels[c].count).squaredNorm() * scale.correlation / rows;
       sum += std::log(std::max(power, seen) / seen);
     }
-    return 1.0 - std::exp(-sum / static_cast<double>(channels.size())) >= policy::kShare && left.norm() >= kDeviations;
+    return 1.0 - std::exp(-sum / static_cast<double>(channels.size())) >= policy::kShare &&
+           left.norm() >= kSeenDeviations;
   }
 
  private:
@@ -96,7 +96,22 @@ std::optional<double> SizeThatShows(const VectorXd& rows, const Remainder& remai
   return high;
 }
 
+/// Which of the null's numbers a candidate changes and nothing else; -1: none.
+Index NumberChanged(const Trial& trial, const estimation::Hypothesis& null) {
+  const auto& known = null.parameters();
+  const auto changed =
+      std::ranges::find(known, trial.effect->ScaledParameter(trial.place), &estimation::Parameter::name);
+  return changed != known.end() ? changed - known.begin() : -1;
+}
+
 }  // namespace
+
+double WithinItsPrior(const Trial& trial, const estimation::Hypothesis& null) {
+  const Index nominal = NumberChanged(trial, null);
+  if (nominal < 0) return 0.0;
+  const estimation::Parameter& number = null.parameters()[static_cast<std::size_t>(nominal)];
+  return number.upper / number.reference - 1.0;
+}
 
 std::vector<Seen> SmallestSeen(const Contestant& null, const Levels& levels, const Magnitudes& magnitudes,
                                const Registry& registry) {
@@ -116,10 +131,7 @@ std::vector<Seen> SmallestSeen(const Contestant& null, const Levels& levels, con
       for (const std::size_t i : trial.strengths) q[trial.own() + static_cast<Index>(i)] *= size;
       return levels[level].Innovations(trial.hypothesis.At(q));
     };
-    const auto& known = null.hypothesis.parameters();
-    const auto changed =
-        std::ranges::find(known, trial.effect->ScaledParameter(trial.place), &estimation::Parameter::name);
-    const Index nominal = changed != known.end() ? changed - known.begin() : -1;
+    const Index nominal = NumberChanged(trial, null.hypothesis);
     const Result<VectorXd> without = nominal >= 0 ? innovations(0.0) : Result<VectorXd>(estimate.innovations);
     // From the run at the size that has come out of the last one: few effects are linear over decades. What changes a nominal
     // value is followed by that one exactly, which a small change shows.
@@ -130,11 +142,7 @@ std::vector<Seen> SmallestSeen(const Contestant& null, const Levels& levels, con
       const Result<VectorXd> with = innovations(size);
       if (!with.ok() || !without.ok()) return;
       VectorXd rows = *without - *with;
-      for (std::size_t c = 0; c < levels.data().channels().size(); ++c) {
-        const Channel& channel = levels.data().channels()[c];
-        rows.segment(channel.begin, channel.count) /=
-            estimate.scales[c].rms * std::sqrt(estimate.scales[c].correlation);
-      }
+      WeighAs(estimate, levels.data(), rows);
       const std::optional<double> more = SizeThatShows(rows, remainder, nominal);
       if (!more) return;
       size *= *more;
@@ -145,12 +153,8 @@ std::vector<Seen> SmallestSeen(const Contestant& null, const Levels& levels, con
         trial.hypothesis.parameters()[static_cast<std::size_t>(trial.own()) + strength];
     const double start = parameter.ValueAt(trial.starts.front()[static_cast<Index>(strength)]);
     const double neutral = trial.effect->info().parameters[strength].neutral;
-    double smallest = size * std::abs(start - neutral);
     // A change of a number within its prior is no effect.
-    if (nominal >= 0) {
-      const estimation::Parameter& number = known[static_cast<std::size_t>(nominal)];
-      smallest = std::max(smallest, number.upper / number.reference - 1.0);
-    }
+    const double smallest = std::max(size * std::abs(start - neutral), WithinItsPrior(trial, null.hypothesis));
     found[k] = Seen{trial.effect->info().name, trial.place.ToString(), parameter.unit, smallest};
   });
   std::vector<Seen> seen;

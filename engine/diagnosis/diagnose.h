@@ -78,6 +78,8 @@ struct Diagnosis {
       with_cause;                    // NRMSE there, by signal; released: where it was asked for
   std::map<std::string, Left> left;  // by signal, of a main cause
   std::optional<double> horizon_s;   // how far ahead the model as given predicts to the noise
+  /// Share of the driving forces that the model told of does not account for; 0: its free run is the likeliest.
+  std::optional<double> unknown_forces;
   std::vector<LineLeft> lines;
   std::vector<NotTestable> not_testable;
   bool own_holdout = false;  // --holdout was given

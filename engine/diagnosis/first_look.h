@@ -6,12 +6,19 @@
 
 #include "diagnosis/conduct.h"
 #include "diagnosis/contestant.h"
+#include "diagnosis/diagnose.h"
 
 namespace dynoproof::diagnosis {
 
-/// On top of the null, at `level` and the next one, those that remove most first; where the conduct ends it, of those that were
-/// looked at by then. The null holds at `level`. `magnitudes`: of the first record.
-std::vector<Contestant> FirstLook(const Contestant& null, const Levels& levels, std::size_t level,
-                                  const Magnitudes& magnitudes, const Registry& registry, const Conduct& conduct);
+struct Looked {
+  std::vector<Contestant> ranked;  // those that remove most first
+  std::vector<NotTestable>
+      silent;  // at no size that was tried do they move an output so that it shows beside the noise
+};
+
+/// On top of the null, at `level` and the next one; where the conduct ends it, of those that were looked at by then. The null
+/// holds at `level`. `magnitudes`: of the first record.
+Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
+                 const Registry& registry, const Conduct& conduct);
 
 }  // namespace dynoproof::diagnosis

@@ -15,8 +15,6 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr Eigen::Index kRows = 4000;  // of a channel, that are compared
-
 /// Mean over channels of the logarithm of the power that a plan leaves in its free run.
 double LogPowerOf(const Plan& plan, const Levels& levels) {
   const Result<Eigen::VectorXd> rows = levels[levels.free_run()].Innovations(plan);
@@ -71,11 +69,11 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
     }
   }
   const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
-  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
+  Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kComparedRows, nullptr, most_s);
   if (!training.ok()) return training.failure();
   if (std::ranges::any_of(first, &MappedRecord::in_motion)) {
     for (MappedRecord& record : first) record.in_motion = false;
-    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, first, registry, 0.0, kRows, nullptr, most_s);
+    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, first, registry, 0.0, kComparedRows, nullptr, most_s);
     if (unled.ok() && LogPowerOf(plan, **unled) <= LogPowerOf(plan, **training) + std::log(kAsWell)) {
       training = std::move(unled);
       if (holdout.empty()) {
@@ -84,7 +82,7 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
     }
   }
   const double from = holdout.empty() ? kFittedShare : 0.0;
-  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from, kRows, training->get());
+  Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from, kComparedRows, training->get());
   if (!held.ok()) return held.failure();
   return Parts{*std::move(training), *std::move(held)};
 }

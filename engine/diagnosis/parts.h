@@ -10,7 +10,8 @@
 
 namespace dynoproof::diagnosis {
 
-inline constexpr double kFittedShare = 0.7;  // of records without a hold-out of their own
+inline constexpr double kFittedShare = 0.7;          // of records without a hold-out of their own
+inline constexpr Eigen::Index kComparedRows = 4000;  // of a channel
 
 struct Parts {
   std::unique_ptr<Levels> training, held_out;

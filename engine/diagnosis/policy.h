@@ -46,6 +46,8 @@ inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;
 /// Where one candidate removes the one share of the excess, those that have removed no more than the other are not followed:
 /// a cause that leaves 95 % where another leaves half is none, whatever comes.
 inline constexpr double kMost = 0.5, kLittle = 0.05;
+/// Cosine of two candidates' columns from which on a record does not tell them apart: it would take 25 times the data.
+inline constexpr double kAlike = 0.98;
 /// Steps of a run that a search simulates: 1.2 s at 10 kHz are some 500 periods of a line's first mode.
 inline constexpr double kSearchedSteps = 12'000.0;
 /// Distance of two predictions of a channel, over all of its rows, which no test sees [standard deviations of the noise].

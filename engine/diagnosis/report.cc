@@ -80,7 +80,7 @@ json ToJson(const Diagnosis& d) {
               {"left", json::object()},
               {"lines", json::array()},
               {"horizon_s", OrNull(d.horizon_s)},
-              {"unknown_forces", json()},
+              {"unknown_forces", OrNull(d.unknown_forces)},
               {"not_testable", json::array()},
               {"extended_scenario", d.extended_scenario},
               {"would_have_seen", json::array()},
@@ -152,6 +152,9 @@ std::string ToTable(const Diagnosis& d) {
   }
   text += fmt::format("  noise floor {:.4g}, {}\n", d.noise_floor,
                       d.at_noise_floor ? "reached" : "not reached: structure is left");
+  if (d.unknown_forces && *d.unknown_forces > 0.0)
+    text +=
+        fmt::format("  forces that the model does not know: {:.2g} % of what drives it\n", 100.0 * *d.unknown_forces);
   std::vector<Refitted> moved;
   for (const Refitted& one : d.refitted) {
     if (std::abs(one.deviation) > 1.0 && !one.start) moved.push_back(one);

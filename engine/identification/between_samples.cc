@@ -17,6 +17,7 @@ constexpr double kClearly = 0.5;
 /// are hardly correlated, so that their squares add: the smallest NRMSE belongs to the likeliest course, however wrong the
 /// model. Differences of less than a tenth may come from noise.
 constexpr double kBetter = 0.9;
+constexpr double kFar = 100.0;  // NRMSE: the run beside the record diverges
 
 }  // namespace
 
@@ -74,7 +75,8 @@ void ChooseBetween(const Plan& plan, const Registry& registry, MappedRecord& rec
   if (best->nrmse > kBetter * worst->nrmse) return;
   std::string distances;
   for (const BetweenFit& fit : fits)
-    distances += fmt::format("{}{} {:.3g}", distances.empty() ? "" : ", ", fit.between, fit.nrmse);
+    distances += fmt::format("{}{} {}", distances.empty() ? "" : ", ", fit.between,
+                             fit.nrmse < kFar ? fmt::format("{:.3g}", fit.nrmse) : "far");
   record.notes.push_back(fmt::format(
       "between their samples the inputs are taken as {}, which neither file nor map says: corrected by the record with "
       "a short memory the outputs are off by (NRMSE) {}; if you know it, say between = ... of each input in a map",

@@ -281,6 +281,32 @@ TEST_F(Measured, ValuesOfALineWithPlayThatAreALittleOffAreNoEffect) {
   EXPECT_EQ(result["verdict"], "no_effect") << result.dump(1);
 }
 
+TEST_F(Measured, IsSaidWhatEachCandidateWouldRemove) {
+  bench_.Write("truth.toml",
+               std::string(Bench::kLine) +
+                   "[[effect]]\nname = \"coulomb_friction\"\nat = \"inertia:I2\"\nparameters = { T_c = 6.0 }\n");
+  Record({"truth.toml", "--set", "run.duration_s=0.6", "--set", "check=[]"}, "out/truth.h5", {"T_airgap"},
+         {"T_shaft", "omega_1"});
+  const std::vector<std::string> asked = {"check-data",   "record.csv", "--scenario", "line.toml",
+                                          "--candidates", "--json",     "c.json"};
+  const Outcome outcome = Call(asked);
+  EXPECT_THAT(outcome.out, HasSubstr("coulomb_friction@inertia:I2"));
+  const nlohmann::json document = nlohmann::json::parse(ReadBytes(bench_ / "c.json"));
+  // A law that refines the cause may remove a little more, at the same place.
+  EXPECT_EQ(document.at("candidates").front().at("at"), "inertia:I2") << outcome.out;
+  const auto cause = std::ranges::find_if(document.at("candidates"), [](const nlohmann::json& one) {
+    return one.at("name") == "coulomb_friction" && one.at("at") == "inertia:I2";
+  });
+  ASSERT_NE(cause, document.at("candidates").end());
+  EXPECT_GT(cause->at("removes").get<double>(), 0.8);
+  EXPECT_NEAR(cause->at("strength").get<double>(), 6.0, 2.5);  // no fit: nominal values follow by one linear step
+  EXPECT_EQ(cause->at("unit"), "N m");
+  EXPECT_LT(cause->at("smallest").get<double>(), 0.1);
+  const Outcome alone = Call({"check-data", "record.csv", "--candidates"});
+  EXPECT_EQ(alone.exit, 2);
+  EXPECT_THAT(alone.Both(), HasSubstr("--scenario"));
+}
+
 TEST_F(Measured, IsSaidHowFarItIsOffTheSimulation) {
   double horizon_s = 0.0;
   const auto check = [&] {

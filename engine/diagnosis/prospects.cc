@@ -1,0 +1,216 @@
+#include "diagnosis/prospects.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "diagnosis/contest.h"
+#include "diagnosis/detection.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/sketch.h"
+#include "identification/estimation_problem.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using estimation::Estimate;
+using estimation::Hypothesis;
+
+/// A candidate with the column by which it is told from others.
+struct Column {
+  Prospect prospect;
+  VectorXd rows;  // of length one
+};
+
+/// Fits the null where it leaves more than noise, the most corrected level first; the level at which it does. The free run
+/// where it does nowhere.
+std::size_t FitWhereSeen(const Levels& levels, Contestant& null) {
+  null.levels.assign(levels.size(), {});
+  for (Estimate& estimate : null.levels) estimate.broken = "not fitted";
+  VectorXd from = null.hypothesis.start();
+  std::optional<std::size_t> last;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    null.levels[level] = estimation::Fit(null.hypothesis, levels[level], from, {.renewals = 2, .near = true});
+    if (!null.Holds(level)) continue;
+    last = level;
+    from = null.levels[level].q;
+    if (HasExcess(null.levels[level], levels.data())) break;
+  }
+  return last.value_or(levels.size());
+}
+
+/// Length of a column of weighted rows, over what noise alone makes of each: what the null gets wrong has taken part in the weights.
+double OverNoise(const VectorXd& rows, const Estimate& null, const estimation::DataSet& data) {
+  double sum = 0.0;
+  const bool excess = HasExcess(null, data);
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const estimation::Channel& channel = data.channels()[c];
+    const estimation::ChannelScale& scale = null.scales[c];
+    const double unit = scale.rms / scale.noise_alone * (excess ? std::sqrt(scale.correlation) : 1.0);
+    sum += std::pow(unit, 2) * rows.segment(channel.begin, channel.count).squaredNorm();
+  }
+  return std::sqrt(sum);
+}
+
+/// The sketch at the size that its own run asks for, and so on: few effects are linear over decades. What promises little stays.
+void Settle(const Trial& trial, const Screen& screen, Sketch& sketch) {
+  constexpr int kMostRuns = 4;
+  constexpr double kPromises = 0.1, kSame = 1.1;
+  for (int run = 0; run < kMostRuns && sketch.removes > kPromises; ++run) {
+    const Signature here = screen.Of(trial.hypothesis, sketch.q);
+    if (!(here.size > 0.0) || std::abs(std::log(here.size)) < std::log(kSame)) return;
+    VectorXd q = sketch.q;
+    for (const std::size_t i : trial.strengths) q[trial.own() + static_cast<Index>(i)] *= here.size;
+    q = q.cwiseMax(trial.hypothesis.lower()).cwiseMin(trial.hypothesis.upper());
+    const double removes = screen.Of(trial.hypothesis, q).removes;
+    if (!(removes > here.removes)) return;
+    sketch.q = q;
+    sketch.removes = std::max(sketch.removes, removes);
+  }
+}
+
+/// `sketch`: of the candidate.
+std::optional<Column> ColumnOf(const Trial& trial, const Sketch& sketch, const Contestant& null, const Screen& screen,
+                               const Estimate& estimate, const estimation::DataSet& data) {
+  const Signature signature = screen.Of(trial.hypothesis, sketch.q);
+  if (sketch.removes < 0.0 || signature.removes < 0.0) return std::nullopt;
+  Column column;
+  Prospect& told = column.prospect;
+  told.name = trial.effect->info().name;
+  told.at = trial.place.ToString();
+  told.removes = sketch.removes;
+  if (const auto& parameters = trial.effect->info().parameters; !parameters.empty()) {
+    const std::size_t own = trial.strengths.empty() ? 0 : trial.strengths.front();
+    const estimation::Parameter& parameter = trial.hypothesis.parameters()[static_cast<std::size_t>(trial.own()) + own];
+    told.parameter = parameters[own].name;
+    told.unit = parameter.unit;
+    told.strength = parameter.ValueAt(sketch.q[trial.own() + static_cast<Index>(own)]);
+    if (const double neutral = parameters[own].neutral; !trial.strengths.empty())
+      told.smallest =
+          std::max(std::abs(told.strength - neutral) * kSeenDeviations / OverNoise(signature.rows, estimate, data),
+                   WithinItsPrior(trial, null.hypothesis));
+  }
+  column.rows = signature.rows.normalized();
+  return column;
+}
+
+/// Each candidate is told with those whose columns say the same.
+void CompareColumns(std::vector<Column>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (std::abs(columns[i].rows.dot(columns[k].rows)) < policy::kAlike) continue;
+      columns[i].prospect.alike.push_back(columns[k].prospect.name + "@" + columns[k].prospect.at);
+      columns[k].prospect.alike.push_back(columns[i].prospect.name + "@" + columns[i].prospect.at);
+    }
+  }
+}
+
+}  // namespace
+
+Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>& records, const Registry& registry) {
+  const EstimationProblem problem(plan, records, registry);
+  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  const Result<std::unique_ptr<Levels>> made = Levels::Of(plan, records, registry, 0.0, kComparedRows, nullptr, most_s);
+  if (!made.ok()) return made.failure();
+  const Levels& levels = **made;
+  Contestant null(NullHypothesis(plan, false, levels, registry));
+  const std::size_t level = FitWhereSeen(levels, null);
+  if (level == levels.size())
+    return Failure{"the model breaks beside the record: " + null.levels.back().broken, plan.id};
+  const Screens screens(null, levels, level);
+  const std::vector<Trial> trials = TrialsOf(null.hypothesis, levels, MagnitudesOf(problem), registry);
+  std::vector<std::optional<Column>> each(trials.size());
+  std::vector<Sketch> sketches(trials.size());
+  ParallelFor(trials.size(), 0, [&](std::size_t i) {
+    sketches[i] = SketchOf(trials[i], screens, StartFrom(trials[i].hypothesis, null.hypothesis, null.levels[level].q));
+    Settle(trials[i], screens.here, sketches[i]);
+    each[i] = ColumnOf(trials[i], sketches[i], null, screens.here, null.levels[level], levels.data());
+  });
+  Prospects prospects;
+  prospects.level = levels.Name(level);
+  prospects.excess = HasExcess(null.levels[level], levels.data());
+  std::vector<Column> columns;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (sketches[i].IsSilent())
+      prospects.silent.push_back(Silence(trials[i]));
+    else if (each[i])
+      columns.push_back(*std::move(each[i]));
+  }
+  if (prospects.excess)
+    std::ranges::stable_sort(columns,
+                             [](const Column& a, const Column& b) { return a.prospect.removes > b.prospect.removes; });
+  CompareColumns(columns);
+  for (Column& one : columns) prospects.all.push_back(std::move(one.prospect));
+  prospects.simulations = levels.simulations();
+  return prospects;
+}
+
+std::string Prospects::ToTable() const {
+  constexpr std::size_t kTold = 15, kNamed = 2;
+  const auto size = [](const Prospect& one, double value, int digits) {
+    if (!std::isfinite(value)) return std::string("-");
+    return one.unit == "1" ? fmt::format("{:.{}g} %", 100.0 * value, digits)
+                           : fmt::format("{:.{}g} {}", value, digits, one.unit);
+  };
+  std::string text = excess
+                         ? fmt::format("  {} at {}: which share of what the model gets wrong each would remove\n",
+                                       Counted(all.size(), "candidate"), level)
+                         : fmt::format("  {} at {}: from which size each would show; now there is nothing but noise\n",
+                                       Counted(all.size(), "candidate"), level);
+  text += fmt::format("  {:<46}", "effect@place");
+  if (excess) text += fmt::format("{:>8}  {:<22}", "removes", "as");
+  text += fmt::format("{:<22}{}\n", "would show from", "not told from");
+  const std::size_t told = excess ? std::min(kTold, all.size()) : all.size();
+  for (const Prospect& one : std::span(all).first(told)) {
+    text += fmt::format("  {:<46}", one.name + "@" + one.at);
+    if (excess)
+      text += fmt::format("{:>6.1f} %  {:<22}", 100.0 * one.removes,
+                          one.parameter.empty() ? "" : one.parameter + " " + size(one, one.strength, 3));
+    std::string like =
+        fmt::format("{}", fmt::join(std::span(one.alike).first(std::min(kNamed, one.alike.size())), ", "));
+    if (one.alike.size() > kNamed) like += fmt::format(" and {} more", one.alike.size() - kNamed);
+    text +=
+        like.empty() ? size(one, one.smallest, 2) + "\n" : fmt::format("{:<22}{}\n", size(one, one.smallest, 2), like);
+  }
+  if (all.size() > told)
+    text += fmt::format("  the other {} remove {:.1f} % or less each; --json lists them\n", all.size() - told,
+                        100.0 * all[told].removes);
+  if (!silent.empty()) {
+    std::vector<std::string> names;
+    for (const NotTestable& one : silent) names.push_back(one.name + "@" + one.at);
+    text += fmt::format("  at no size that was tried an output moves by a tenth of the noise: {}\n",
+                        fmt::join(names, ", "));
+  }
+  if (excess) text += "  A candidate that removes much need not be the cause: `dynoproof diagnose` finds which is.\n";
+  return text;
+}
+
+void AddTo(nlohmann::json& document, const Prospects& prospects) {
+  document["candidates_level"] = prospects.level;
+  document["candidates"] = nlohmann::json::array();
+  for (const Prospect& one : prospects.all)
+    document["candidates"].push_back(
+        {{"name", one.name},
+         {"at", one.at},
+         {"removes", one.removes},
+         {"parameter", one.parameter},
+         {"unit", one.unit},
+         {"strength", one.strength},
+         {"smallest", std::isfinite(one.smallest) ? nlohmann::json(one.smallest) : nlohmann::json()},
+         {"alike", one.alike}});
+  document["not_testable"] = nlohmann::json::array();
+  for (const NotTestable& one : prospects.silent)
+    document["not_testable"].push_back({{"name", one.name}, {"at", one.at}, {"reason", one.reason}});
+}
+
+}  // namespace dynoproof::diagnosis
