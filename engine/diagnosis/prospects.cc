@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -115,6 +116,35 @@ void CompareColumns(std::vector<Column>& columns) {
   }
 }
 
+/// Share of the null's squares that two columns remove together.
+double TogetherOf(const Column& a, const Column& b, const VectorXd& left) {
+  const double cosine = a.rows.dot(b.rows), x = a.rows.dot(left), y = b.rows.dot(left);
+  const double apart = 1.0 - cosine * cosine;
+  return (x * x - 2.0 * cosine * x * y + y * y) / (apart * left.squaredNorm());
+}
+
+/// The pairs that remove most, where they remove clearly more than any candidate alone. `columns`: the best first.
+std::vector<ProspectPair> PairsOf(const std::vector<Column>& columns, const VectorXd& left) {
+  constexpr double kClearly = 0.1;
+  constexpr std::size_t kTold = 3;
+  std::vector<ProspectPair> pairs;
+  if (columns.empty()) return pairs;
+  const auto name = [](const Column& one) { return one.prospect.name + "@" + one.prospect.at; };
+  const auto alone = [&left](const Column& one) { return std::pow(one.rows.dot(left), 2) / left.squaredNorm(); };
+  const double best = std::transform_reduce(
+      columns.begin(), columns.end(), 0.0, [](double a, double b) { return std::max(a, b); }, alone);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (std::abs(columns[i].rows.dot(columns[k].rows)) >= policy::kAlike) continue;
+      const double together = TogetherOf(columns[k], columns[i], left);
+      if (together > best + kClearly * (1.0 - best)) pairs.push_back({name(columns[k]), name(columns[i]), together});
+    }
+  }
+  std::ranges::stable_sort(pairs, [](const auto& a, const auto& b) { return a.removes > b.removes; });
+  pairs.resize(std::min(pairs.size(), kTold));
+  return pairs;
+}
+
 }  // namespace
 
 Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>& records, const Registry& registry) {
@@ -150,6 +180,7 @@ Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>&
     std::ranges::stable_sort(columns,
                              [](const Column& a, const Column& b) { return a.prospect.removes > b.prospect.removes; });
   CompareColumns(columns);
+  if (prospects.excess) prospects.pairs = PairsOf(columns, null.levels[level].weighted);
   for (Column& one : columns) prospects.all.push_back(std::move(one.prospect));
   prospects.simulations = levels.simulations();
   return prospects;
@@ -185,10 +216,12 @@ std::string Prospects::ToTable() const {
   if (all.size() > told)
     text += fmt::format("  the other {} remove {:.1f} % or less each; --json lists them\n", all.size() - told,
                         100.0 * all[told].removes);
+  for (const ProspectPair& one : pairs)
+    text += fmt::format("  {} with {} {:.1f} %\n", one.first, one.second, 100.0 * one.removes);
   if (!silent.empty()) {
     std::vector<std::string> names;
     for (const NotTestable& one : silent) names.push_back(one.name + "@" + one.at);
-    text += fmt::format("  at no size that was tried an output moves by a tenth of the noise: {}\n",
+    text += fmt::format("  at this level no output moves by a tenth of the noise at any size that was tried: {}\n",
                         fmt::join(names, ", "));
   }
   if (excess) text += "  A candidate that removes much need not be the cause: `dynoproof diagnose` finds which is.\n";
@@ -208,6 +241,9 @@ void AddTo(nlohmann::json& document, const Prospects& prospects) {
          {"strength", one.strength},
          {"smallest", std::isfinite(one.smallest) ? nlohmann::json(one.smallest) : nlohmann::json()},
          {"alike", one.alike}});
+  document["pairs"] = nlohmann::json::array();
+  for (const ProspectPair& one : prospects.pairs)
+    document["pairs"].push_back({{"first", one.first}, {"second", one.second}, {"removes", one.removes}});
   document["not_testable"] = nlohmann::json::array();
   for (const NotTestable& one : prospects.silent)
     document["not_testable"].push_back({{"name", one.name}, {"at", one.at}, {"reason", one.reason}});

@@ -26,10 +26,17 @@ struct Prospect {
   std::vector<std::string> alike;  // "effect@place" of those that these records cannot tell from it
 };
 
+/// Two of them at once.
+struct ProspectPair {
+  std::string first, second;  // "effect@place"
+  double removes = 0.0;
+};
+
 struct Prospects {
   std::string level;                // "memory 0.025 s", "free run": where they are compared
   bool excess = false;              // whether the model leaves more than noise there
   std::vector<Prospect> all;        // those that remove most first; without an excess by name
+  std::vector<ProspectPair> pairs;  // the three best, where two remove clearly more than one
   std::vector<NotTestable> silent;  // that move no output so that it shows beside the noise
   std::int64_t simulations = 0;
 
@@ -41,7 +48,7 @@ struct Prospects {
 /// run beside them.
 Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>& records, const Registry& registry);
 
-/// "candidates", "candidates_level" and "not_testable", to be added to a document.
+/// "candidates", "candidates_level", "pairs" and "not_testable", to be added to a document.
 void AddTo(nlohmann::json& document, const Prospects& prospects);
 
 }  // namespace dynoproof::diagnosis

@@ -113,19 +113,28 @@ Signature Screen::Of(const Hypothesis& hypothesis, const VectorXd& q) const {
 
 Screens::Screens(const Contestant& null, const Levels& levels, std::size_t level) : here(null, levels[level], level) {
   if (level + 1 < levels.size() && null.Holds(level + 1)) next.emplace(null, levels[level + 1], level + 1);
+  const std::size_t last = levels.free_run();
+  if (last > level + 1 && null.Holds(last)) free.emplace(null, levels[last], last);
 }
 
 Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& from) {
   Sketch sketch = candidate.effect->info().traits.harmonic ? HarmonicStart(candidate, screens.here, from)
                                                            : SizedStart(candidate, screens.here, from);
-  if (sketch.removes == 0.0) return sketch;
-  const auto look = [&](const Screen& screen) {
-    const Signature signature = screen.Of(candidate.hypothesis, sketch.q);
-    sketch.Saw(signature);
-    sketch.removes = std::max(sketch.removes, signature.removes);
-  };
-  look(screens.here);
-  if (screens.next) look(*screens.next);
+  if (sketch.removes != 0.0) {
+    const auto look = [&](const Screen& screen) {
+      const Signature signature = screen.Of(candidate.hypothesis, sketch.q);
+      sketch.Saw(signature);
+      sketch.removes = std::max(sketch.removes, signature.removes);
+    };
+    look(screens.here);
+    if (screens.next) look(*screens.next);
+  }
+  // What a correction takes off at once may show in what it adds up to.
+  if (sketch.IsSilent() && screens.free) {
+    VectorXd q = from;
+    q.segment(candidate.own(), candidate.starts.front().size()) = candidate.starts.front();
+    sketch.Saw(screens.free->Of(candidate.hypothesis, q));
+  }
   return sketch;
 }
 

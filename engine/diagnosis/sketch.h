@@ -39,7 +39,7 @@ struct Screens {
   Screens(const Contestant& null, const Levels& levels, std::size_t level);
 
   Screen here;
-  std::optional<Screen> next;
+  std::optional<Screen> next, free;  // free: the free run, where the null holds there
 };
 
 /// A point from which a candidate may be fitted, and the share of the error that it removes there, linear; -1: it changes

@@ -55,6 +55,17 @@ TEST(Prospects, TheCauseRemovesMostAtAboutItsSize) {
   EXPECT_LT(all.simulations, 8 * static_cast<std::int64_t>(all.all.size()));
 }
 
+TEST(Prospects, OfTwoCausesThePairRemovesMost) {
+  const Plan truth = WithEffect(WithEffect(FourMasses(1.2), "coulomb_friction", "inertia:I3", {40.0}), "actuator_lag",
+                                "input:T", {2e-4});
+  const Prospects all = Of(truth);
+  ASSERT_FALSE(all.pairs.empty()) << all.ToTable();
+  const ProspectPair& best = all.pairs.front();
+  EXPECT_EQ(best.first, "actuator_lag@input:T") << all.ToTable();
+  EXPECT_NE(best.second.find("friction@inertia:"), std::string::npos) << all.ToTable();
+  EXPECT_GT(best.removes, all.all.front().removes + 0.02);
+}
+
 TEST(Prospects, WhatWouldShowIsSeenAboveAndNotBelow) {
   ASSERT_FALSE(Clean().excess) << Clean().ToTable();
   const double smallest = Find(Clean(), "coulomb_friction", "inertia:I3").smallest;
