@@ -96,14 +96,6 @@ std::optional<double> SizeThatShows(const VectorXd& rows, const Remainder& remai
   return high;
 }
 
-/// Which of the null's numbers a candidate changes and nothing else; -1: none.
-Index NumberChanged(const Trial& trial, const estimation::Hypothesis& null) {
-  const auto& known = null.parameters();
-  const auto changed =
-      std::ranges::find(known, trial.effect->ScaledParameter(trial.place), &estimation::Parameter::name);
-  return changed != known.end() ? changed - known.begin() : -1;
-}
-
 }  // namespace
 
 double WithinItsPrior(const Trial& trial, const estimation::Hypothesis& null) {

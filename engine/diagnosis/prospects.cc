@@ -30,7 +30,7 @@ using estimation::Hypothesis;
 /// A candidate with the column by which it is told from others.
 struct Column {
   Prospect prospect;
-  VectorXd rows;  // of length one
+  VectorXd change, rest;  // of its signature, over the root of rest'change
 };
 
 /// Fits the null where it leaves more than noise, the most corrected level first; the level at which it does. The free run
@@ -41,7 +41,7 @@ std::size_t FitWhereSeen(const Levels& levels, Contestant& null) {
   VectorXd from = null.hypothesis.start();
   std::optional<std::size_t> last;
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    null.levels[level] = estimation::Fit(null.hypothesis, levels[level], from, {.renewals = 2, .near = true});
+    null.levels[level] = estimation::Fit(null.hypothesis, levels[level], from, {.renewals = 6, .near = true});
     if (!null.Holds(level)) continue;
     last = level;
     from = null.levels[level].q;
@@ -50,58 +50,71 @@ std::size_t FitWhereSeen(const Levels& levels, Contestant& null) {
   return last.value_or(levels.size());
 }
 
-/// Length of a column of weighted rows, over what noise alone makes of each: what the null gets wrong has taken part in the weights.
-double OverNoise(const VectorXd& rows, const Estimate& null, const estimation::DataSet& data) {
+/// How many deviations of noise a signature is: what the null gets wrong has taken part in its weights.
+double OverNoise(const Signature& signature, const Estimate& null, const estimation::DataSet& data) {
   double sum = 0.0;
   const bool excess = HasExcess(null, data);
   for (std::size_t c = 0; c < data.channels().size(); ++c) {
     const estimation::Channel& channel = data.channels()[c];
     const estimation::ChannelScale& scale = null.scales[c];
     const double unit = scale.rms / scale.noise_alone * (excess ? std::sqrt(scale.correlation) : 1.0);
-    sum += std::pow(unit, 2) * rows.segment(channel.begin, channel.count).squaredNorm();
+    sum += std::pow(unit, 2) * signature.rest.segment(channel.begin, channel.count)
+                                   .dot(signature.change.segment(channel.begin, channel.count));
   }
-  return std::sqrt(sum);
+  return std::sqrt(std::max(sum, 0.0));
 }
 
-/// The sketch at the size that its own run asks for, and so on: few effects are linear over decades. What promises little stays.
-void Settle(const Trial& trial, const Screen& screen, Sketch& sketch) {
+/// A candidate at the size that its own run asks for, and so on, for few effects are linear over decades; and what it removes
+/// there, with nominal values that follow. What promises little stays at the size of its sketch.
+struct Sized {
+  VectorXd q;
+  Signature signature;
+  double removes = 0.0;
+};
+Sized SizedBy(const Trial& trial, const Screen& screen, const Sketch& sketch) {
   constexpr int kMostRuns = 4;
   constexpr double kPromises = 0.1, kSame = 1.1;
+  const auto at = [&](VectorXd q) {
+    Signature signature = screen.Of(trial, q);
+    const double removes = screen.Removed(trial, q, signature);
+    return Sized{std::move(q), std::move(signature), removes};
+  };
+  Sized best = at(sketch.q);
   for (int run = 0; run < kMostRuns && sketch.removes > kPromises; ++run) {
-    const Signature here = screen.Of(trial.hypothesis, sketch.q);
-    if (!(here.size > 0.0) || std::abs(std::log(here.size)) < std::log(kSame)) return;
-    VectorXd q = sketch.q;
-    for (const std::size_t i : trial.strengths) q[trial.own() + static_cast<Index>(i)] *= here.size;
-    q = q.cwiseMax(trial.hypothesis.lower()).cwiseMin(trial.hypothesis.upper());
-    const double removes = screen.Of(trial.hypothesis, q).removes;
-    if (!(removes > here.removes)) return;
-    sketch.q = q;
-    sketch.removes = std::max(sketch.removes, removes);
+    const double size = best.signature.size;
+    if (!(size > 0.0) || std::abs(std::log(size)) < std::log(kSame)) break;
+    VectorXd q = best.q;
+    for (const std::size_t i : trial.strengths) q[trial.own() + static_cast<Index>(i)] *= size;
+    Sized next = at(q.cwiseMax(trial.hypothesis.lower()).cwiseMin(trial.hypothesis.upper()));
+    if (!(next.removes > best.removes)) break;
+    best = std::move(next);
   }
+  return best;
 }
 
-/// `sketch`: of the candidate.
-std::optional<Column> ColumnOf(const Trial& trial, const Sketch& sketch, const Contestant& null, const Screen& screen,
-                               const Estimate& estimate, const estimation::DataSet& data) {
-  const Signature signature = screen.Of(trial.hypothesis, sketch.q);
-  if (sketch.removes < 0.0 || signature.removes < 0.0) return std::nullopt;
+std::optional<Column> ColumnOf(const Trial& trial, const Sized& sized, const Contestant& null, const Estimate& estimate,
+                               const estimation::DataSet& data) {
+  const Signature& signature = sized.signature;
+  if (signature.removes < 0.0) return std::nullopt;
   Column column;
   Prospect& told = column.prospect;
   told.name = trial.effect->info().name;
   told.at = trial.place.ToString();
-  told.removes = sketch.removes;
+  told.removes = sized.removes;
   if (const auto& parameters = trial.effect->info().parameters; !parameters.empty()) {
     const std::size_t own = trial.strengths.empty() ? 0 : trial.strengths.front();
     const estimation::Parameter& parameter = trial.hypothesis.parameters()[static_cast<std::size_t>(trial.own()) + own];
     told.parameter = parameters[own].name;
     told.unit = parameter.unit;
-    told.strength = parameter.ValueAt(sketch.q[trial.own() + static_cast<Index>(own)]);
+    told.strength = parameter.ValueAt(sized.q[trial.own() + static_cast<Index>(own)]);
     if (const double neutral = parameters[own].neutral; !trial.strengths.empty())
       told.smallest =
-          std::max(std::abs(told.strength - neutral) * kSeenDeviations / OverNoise(signature.rows, estimate, data),
+          std::max(std::abs(told.strength - neutral) * kSeenDeviations / OverNoise(signature, estimate, data),
                    WithinItsPrior(trial, null.hypothesis));
   }
-  column.rows = signature.rows.normalized();
+  const double length = std::sqrt(signature.rest.dot(signature.change));
+  column.change = signature.change / length;
+  column.rest = signature.rest / length;
   return column;
 }
 
@@ -109,7 +122,7 @@ std::optional<Column> ColumnOf(const Trial& trial, const Sketch& sketch, const C
 void CompareColumns(std::vector<Column>& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      if (std::abs(columns[i].rows.dot(columns[k].rows)) < policy::kAlike) continue;
+      if (std::abs(columns[i].rest.dot(columns[k].change)) < policy::kAlike) continue;
       columns[i].prospect.alike.push_back(columns[k].prospect.name + "@" + columns[k].prospect.at);
       columns[k].prospect.alike.push_back(columns[i].prospect.name + "@" + columns[i].prospect.at);
     }
@@ -118,7 +131,7 @@ void CompareColumns(std::vector<Column>& columns) {
 
 /// Share of the null's squares that two columns remove together.
 double TogetherOf(const Column& a, const Column& b, const VectorXd& left) {
-  const double cosine = a.rows.dot(b.rows), x = a.rows.dot(left), y = b.rows.dot(left);
+  const double cosine = a.rest.dot(b.change), x = a.rest.dot(left), y = b.rest.dot(left);
   const double apart = 1.0 - cosine * cosine;
   return (x * x - 2.0 * cosine * x * y + y * y) / (apart * left.squaredNorm());
 }
@@ -130,12 +143,12 @@ std::vector<ProspectPair> PairsOf(const std::vector<Column>& columns, const Vect
   std::vector<ProspectPair> pairs;
   if (columns.empty()) return pairs;
   const auto name = [](const Column& one) { return one.prospect.name + "@" + one.prospect.at; };
-  const auto alone = [&left](const Column& one) { return std::pow(one.rows.dot(left), 2) / left.squaredNorm(); };
+  const auto alone = [&left](const Column& one) { return std::pow(one.rest.dot(left), 2) / left.squaredNorm(); };
   const double best = std::transform_reduce(
       columns.begin(), columns.end(), 0.0, [](double a, double b) { return std::max(a, b); }, alone);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      if (std::abs(columns[i].rows.dot(columns[k].rows)) >= policy::kAlike) continue;
+      if (std::abs(columns[i].rest.dot(columns[k].change)) >= policy::kAlike) continue;
       const double together = TogetherOf(columns[k], columns[i], left);
       if (together > best + kClearly * (1.0 - best)) pairs.push_back({name(columns[k]), name(columns[i]), together});
     }
@@ -163,8 +176,9 @@ Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>&
   std::vector<Sketch> sketches(trials.size());
   ParallelFor(trials.size(), 0, [&](std::size_t i) {
     sketches[i] = SketchOf(trials[i], screens, StartFrom(trials[i].hypothesis, null.hypothesis, null.levels[level].q));
-    Settle(trials[i], screens.here, sketches[i]);
-    each[i] = ColumnOf(trials[i], sketches[i], null, screens.here, null.levels[level], levels.data());
+    if (sketches[i].removes >= 0.0)
+      each[i] =
+          ColumnOf(trials[i], SizedBy(trials[i], screens.here, sketches[i]), null, null.levels[level], levels.data());
   });
   Prospects prospects;
   prospects.level = levels.Name(level);

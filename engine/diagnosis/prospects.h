@@ -18,7 +18,7 @@ namespace dynoproof::diagnosis {
 /// One effect at one place.
 struct Prospect {
   std::string name, at;
-  double removes = 0.0;         // share of the squared error that nominal values cannot remove, linear
+  double removes = 0.0;         // share of the squared error, in a run in which nominal values follow
   std::string parameter, unit;  // the one that its size is told by; empty: it has none
   double strength = 0.0;        // at which it removes that
   double smallest = std::numeric_limits<double>::

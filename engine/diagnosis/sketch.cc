@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/policy.h"
+#include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -26,7 +27,7 @@ Sketch SizedStart(const Trial& candidate, const Screen& screen, const VectorXd& 
   for (const VectorXd& start : candidate.starts) {
     VectorXd q = from;
     q.segment(own, start.size()) = start;
-    const Signature signature = screen.Of(candidate.hypothesis, q);
+    const Signature signature = screen.Of(candidate, q);
     best.Saw(signature);
     // A strength that is bounded to one sign removes nothing where the record asks for the other sign.
     VectorXd sized = q;
@@ -56,9 +57,9 @@ Sketch HarmonicStart(const Trial& candidate, const Screen& screen, const VectorX
     VectorXd q = from;
     q.segment(own, start.size()) = start;
     q[own + 2] = phase.CoordinateOf(0.0);
-    const Signature sine = screen.Of(candidate.hypothesis, q);
+    const Signature sine = screen.Of(candidate, q);
     q[own + 2] = phase.CoordinateOf(0.5 * std::numbers::pi);
-    const Signature cosine = screen.Of(candidate.hypothesis, q);
+    const Signature cosine = screen.Of(candidate, q);
     best.Saw(sine);
     best.Saw(cosine);
     if (!(sine.removes + cosine.removes > best.removes)) continue;
@@ -83,32 +84,62 @@ NotTestable Silence(const Trial& candidate) {
 }
 
 Screen::Screen(const Contestant& null, const estimation::Predictor& predictor, std::size_t level)
-    : predictor_(predictor),
+    : null_(null),
+      predictor_(predictor),
       estimate_(null.levels[level]),
       inverse_(estimation::CurvatureOf(estimate_, null.hypothesis)) {}
 
-Signature Screen::Of(const Hypothesis& hypothesis, const VectorXd& q) const {
-  const Result<VectorXd> with = predictor_.Innovations(hypothesis.At(q));
+Screen::Columns Screen::ColumnsBeside(const Trial& candidate) const {
+  const Index own = NumberChanged(candidate, null_.hypothesis);
+  if (own < 0 || estimate_.jacobian.cols() == 0) return {estimate_.jacobian, inverse_};
+  MatrixXd others = estimate_.jacobian;
+  others.col(own).setZero();
+  MatrixXd inverse = dense::PseudoInverse(estimation::HessianOf(others, null_.hypothesis));
+  return {std::move(others), std::move(inverse)};
+}
+
+Signature Screen::Of(const Trial& candidate, const VectorXd& q) const {
+  const Result<VectorXd> with = predictor_.Innovations(candidate.hypothesis.At(q));
   if (!with.ok()) return {};
-  VectorXd g = estimate_.innovations - *with;
   Signature signature;
   signature.ran = true;
+  signature.change = estimate_.innovations - *with;
   for (std::size_t c = 0; c < estimate_.scales.size(); ++c) {
     const estimation::Channel& channel = predictor_.data().channels()[c];
-    const double rms =
-        g.segment(channel.begin, channel.count).norm() / std::sqrt(std::max(1.0, static_cast<double>(channel.count)));
+    const double rms = signature.change.segment(channel.begin, channel.count).norm() /
+                       std::sqrt(std::max(1.0, static_cast<double>(channel.count)));
     signature.moves = std::max(signature.moves, rms / estimate_.scales[c].noise_alone);
   }
-  WeighAs(estimate_, predictor_.data(), g);
-  const MatrixXd& J = estimate_.jacobian;
-  if (J.cols() > 0) g -= J * (inverse_ * (J.transpose() * g));
-  const double power = g.squaredNorm(), along = g.dot(estimate_.weighted);
+  WeighAs(estimate_, predictor_.data(), signature.change);
+  const auto [J, inverse] = ColumnsBeside(candidate);
+  signature.rest = signature.change;
+  if (J.cols() > 0) signature.rest -= J * (inverse * (J.transpose() * signature.change));
+  const double power = signature.rest.dot(signature.change), along = signature.rest.dot(estimate_.weighted);
   if (!(power > 0.0)) return signature;
   signature.size = along / power;
   const double left = estimate_.weighted.squaredNorm();
   signature.removes = left > 0.0 ? along * along / (power * left) : 0.0;
-  signature.rows = std::move(g);
   return signature;
+}
+
+double Screen::Removed(const Trial& candidate, const VectorXd& q, const Signature& signature) const {
+  const double left = estimate_.weighted.squaredNorm();
+  if (!(left > 0.0) || !signature.ran) return 0.0;
+  const VectorXd there = estimate_.weighted - signature.change;
+  double removed = 1.0 - there.squaredNorm() / left;
+  const auto [J, inverse] = ColumnsBeside(candidate);
+  if (J.cols() == 0) return std::max(0.0, removed);
+  VectorXd follows = estimate_.q - inverse * (J.transpose() * there);
+  follows = follows.cwiseMax(null_.hypothesis.lower()).cwiseMin(null_.hypothesis.upper());
+  VectorXd moved = StartFrom(candidate.hypothesis, null_.hypothesis, follows);
+  const auto count = static_cast<Index>(candidate.effect->info().parameters.size());
+  moved.segment(candidate.own(), count) = q.segment(candidate.own(), count);
+  Result<VectorXd> run = predictor_.Innovations(candidate.hypothesis.At(moved));
+  if (run.ok()) {
+    WeighAs(estimate_, predictor_.data(), *run);
+    removed = std::max(removed, 1.0 - run->squaredNorm() / left);
+  }
+  return std::max(0.0, removed);
 }
 
 Screens::Screens(const Contestant& null, const Levels& levels, std::size_t level) : here(null, levels[level], level) {
@@ -122,7 +153,7 @@ Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& 
                                                            : SizedStart(candidate, screens.here, from);
   if (sketch.removes != 0.0) {
     const auto look = [&](const Screen& screen) {
-      const Signature signature = screen.Of(candidate.hypothesis, sketch.q);
+      const Signature signature = screen.Of(candidate, sketch.q);
       sketch.Saw(signature);
       sketch.removes = std::max(sketch.removes, signature.removes);
     };
@@ -133,7 +164,7 @@ Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& 
   if (sketch.IsSilent() && screens.free) {
     VectorXd q = from;
     q.segment(candidate.own(), candidate.starts.front().size()) = candidate.starts.front();
-    sketch.Saw(screens.free->Of(candidate.hypothesis, q));
+    sketch.Saw(screens.free->Of(candidate, q));
   }
   return sketch;
 }

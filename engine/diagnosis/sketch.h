@@ -11,13 +11,14 @@
 
 namespace dynoproof::diagnosis {
 
-/// What an effect adds to the innovations of the null, as a column: weighted as the null's are, without what nominal values make
-/// up for [rows]. `size`: the factor at which it fits best; `removes`: of the null's squares, linear; -1: the run breaks, or
-/// nothing is left of it; 0 where the null leaves nothing. `moves`: the largest change of a channel, RMS over what noise alone causes there.
+/// What an effect changes in the innovations of the null, weighted as these are, [rows], and what of it nominal values cannot make
+/// up for within their priors: rest = change - J (J'J + 1)^-1 J' change, J the null's columns. `size`: the factor at which it fits best,
+/// rest'e / rest'change; `removes`: of the null's squares, (rest'e)^2 / (rest'change e'e), linear; -1: the run breaks, or nothing is
+/// left of it. `moves`: the largest change of a channel, RMS over what noise alone causes there.
 struct Signature {
   bool ran = false;
   double size = 0.0, removes = -1.0, moves = 0.0;
-  Eigen::VectorXd rows;
+  Eigen::VectorXd change, rest;
 };
 
 /// The null at a level where it holds; both outlive it.
@@ -25,10 +26,20 @@ class Screen {
  public:
   Screen(const Contestant& null, const estimation::Predictor& predictor, std::size_t level);
 
-  /// By one run. `q`: coordinates of `hypothesis`, which is the null with one more effect.
-  Signature Of(const estimation::Hypothesis& hypothesis, const Eigen::VectorXd& q) const;
+  /// By one run. `q`: coordinates of the candidate's hypothesis, which is the null with one more effect.
+  Signature Of(const Trial& candidate, const Eigen::VectorXd& q) const;
+  /// The share of the null's squares that it removes in a run in which nominal values have followed it by one step, within their
+  /// bounds; not below that in the run without. `signature`: at q.
+  double Removed(const Trial& candidate, const Eigen::VectorXd& q, const Signature& signature) const;
 
  private:
+  /// The null's columns and the inverse of their curvature, without the number that a candidate changes itself.
+  struct Columns {
+    Eigen::MatrixXd jacobian, inverse;
+  };
+  Columns ColumnsBeside(const Trial& candidate) const;
+
+  const Contestant& null_;
   const estimation::Predictor& predictor_;
   const estimation::Estimate& estimate_;
   Eigen::MatrixXd inverse_;

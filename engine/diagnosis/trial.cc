@@ -64,4 +64,11 @@ std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& le
   return candidates;
 }
 
+Index NumberChanged(const Trial& trial, const Hypothesis& null) {
+  const auto& known = null.parameters();
+  const auto changed =
+      std::ranges::find(known, trial.effect->ScaledParameter(trial.place), &estimation::Parameter::name);
+  return changed != known.end() ? changed - known.begin() : -1;
+}
+
 }  // namespace dynoproof::diagnosis

@@ -38,6 +38,9 @@ struct Trial {
   }
 };
 
+/// Which of the null's numbers a candidate changes and nothing else; -1: none.
+Eigen::Index NumberChanged(const Trial& trial, const estimation::Hypothesis& null);
+
 /// On top of `base`, without what it has already. `magnitudes`: of the first record.
 std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& levels, const Magnitudes& magnitudes,
                             const Registry& registry);

@@ -19,14 +19,14 @@ using estimation::WithEffect;
 
 Prospects Of(const Plan& truth) {
   const MappedRecord record = RecordOf(truth, 0.01, {"T_shaft", "omega_1", "omega_4"});
-  const Result<Prospects> prospects = ProspectsOf(FourMasses(1.2), {record}, testing::BuiltIns());
+  const Result<Prospects> prospects = ProspectsOf(FourMasses(0.7), {record}, testing::BuiltIns());
   EXPECT_TRUE(prospects.ok()) << prospects.failure().ToString();
   return prospects.ok() ? *prospects : Prospects();
 }
 
 /// Of a record in which nothing is hidden.
 const Prospects& Clean() {
-  static const Prospects clean = Of(FourMasses(1.2));
+  static const Prospects clean = Of(FourMasses(0.7));
   return clean;
 }
 
@@ -39,7 +39,7 @@ const Prospect& Find(const Prospects& all, const std::string& name, const std::s
 }
 
 TEST(Prospects, TheCauseRemovesMostAtAboutItsSize) {
-  const Prospects all = Of(WithEffect(FourMasses(1.2), "coulomb_friction", "inertia:I3", {12.0}));
+  const Prospects all = Of(WithEffect(FourMasses(0.7), "coulomb_friction", "inertia:I3", {12.0}));
   ASSERT_TRUE(all.excess);
   const Prospect& cause = Find(all, "coulomb_friction", "inertia:I3");
   EXPECT_EQ(&cause, &all.all.front()) << all.ToTable();
@@ -56,13 +56,14 @@ TEST(Prospects, TheCauseRemovesMostAtAboutItsSize) {
 }
 
 TEST(Prospects, OfTwoCausesThePairRemovesMost) {
-  const Plan truth = WithEffect(WithEffect(FourMasses(1.2), "coulomb_friction", "inertia:I3", {40.0}), "actuator_lag",
+  const Plan truth = WithEffect(WithEffect(FourMasses(0.7), "coulomb_friction", "inertia:I3", {40.0}), "actuator_lag",
                                 "input:T", {2e-4});
   const Prospects all = Of(truth);
   ASSERT_FALSE(all.pairs.empty()) << all.ToTable();
   const ProspectPair& best = all.pairs.front();
-  EXPECT_EQ(best.first, "actuator_lag@input:T") << all.ToTable();
-  EXPECT_NE(best.second.find("friction@inertia:"), std::string::npos) << all.ToTable();
+  // A lag of the command and one of the shaft's torque look alike on a line that is stiffer than they are fast.
+  EXPECT_TRUE(best.first == "actuator_lag@input:T" || best.first == "sensor_lag@output:T_shaft") << all.ToTable();
+  EXPECT_TRUE(best.second.ends_with("friction@inertia:I3")) << all.ToTable();
   EXPECT_GT(best.removes, all.all.front().removes + 0.02);
 }
 
@@ -71,7 +72,7 @@ TEST(Prospects, WhatWouldShowIsSeenAboveAndNotBelow) {
   const double smallest = Find(Clean(), "coulomb_friction", "inertia:I3").smallest;
   ASSERT_TRUE(std::isfinite(smallest));
   const auto removed_at = [&](double strength) {
-    const Prospects all = Of(WithEffect(FourMasses(1.2), "coulomb_friction", "inertia:I3", {strength}));
+    const Prospects all = Of(WithEffect(FourMasses(0.7), "coulomb_friction", "inertia:I3", {strength}));
     return Find(all, "coulomb_friction", "inertia:I3").removes;
   };
   // What noise alone lets a candidate remove lies far below what one of three times the smallest size does.
