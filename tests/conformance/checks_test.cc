@@ -31,6 +31,7 @@ const std::map<std::string, Row>& Rows() {
         false}},
       {"divergence",
        {{{"signal", "p_s"}, {"path", "plant.x"}, {"from_s", 0.1}, {"to_s", 0.2}, {"at_most_per_s", 1.0}}, false}},
+      {"filters_hold", {{{"notches", Value::Array{"p_ch"}}, {"gain", "u_1"}, {"near_Hz", 20.0}}, false}},
       {"follows", {{{"signal", "p_s"}, {"reference", "u_1"}, {"largest", 0.5}}}},
       {"golden", {Value(), false}},
       {"growth",
