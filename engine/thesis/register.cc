@@ -23,6 +23,7 @@ void RegisterThesis(Registry& registry) {
   registry.AddCheck<FiltersHoldCheck>();
   registry.AddCheck<GrowthCheck>();
   registry.AddCheck<LoadStepCheck>();
+  registry.AddCheck<OscillationCheck>();
   registry.AddCheck<PlacementsCheck>();
   registry.AddCheck<RampsCheck>();
   registry.AddCheck<WanderCheck>();
