@@ -511,7 +511,7 @@ def ripple(v):
 
 
 def chirp_with_harmonic(v):
-    """The heavy-duty line under a held chirp u and u^2/20: where the shaft swings while the chirp passes 275 Hz."""
+    """The heavy-duty line under a held chirp u and u^2/5: where the shaft swings while the chirp passes 275 Hz."""
     masses, edges, weights = soft(25.308, 16.5e6, 85.6, 100, [0.235, 0.159], [5.1e6, 7.99e6], [18.2, 23.0], 6, 95)
     n, M = len(masses), np.array(masses)
     K, C = matrices(masses, edges)
@@ -524,9 +524,10 @@ def chirp_with_harmonic(v):
     for t in np.arange(15000) * 1e-4:
         shaft.append(k * (x[n - 2] - x[n - 1]) + c * (x[2 * n - 2] - x[2 * n - 1]))
         u = math.sin(TURN * 100.0 * t * t)
-        x[-1] = 1000.0 * (u + 0.05 * u * u)
+        x[-1] = 1000.0 * (u + 0.2 * u * u)
         x[:-1] = (step @ x)[:-1]
     v["2.11-half"] = max(np.arange(540.0, 560.0, 0.05), key=lambda f: tone(np.array(shaft[13500:]), f))
+    v["2.11-height"] = tone(np.array(shaft[13500:]), v["2.11-half"])
 
 
 def lobe(delta, N):
