@@ -415,6 +415,8 @@ def machine(v):
     v["5.6-machine-found-1"], v["5.6-machine-found-2"] = first[1], second[1]
     v["5.6-machine-filters"] = sum(1 for growth, _ in loop.modes(9.7, (603.7, 825.7)) if growth > 0.0)
     v["5.6.4-edge-machine"] = MachineLoop(150.0, 0.171).modes(2.1)[0][0]
+    v["5.6.3-machine-notch"] = MachineLoop(150.0, 0.171).modes(4.3, (1500.0, 1500.0))[0][1]
+    v["5.1-sign-machine"] = sum(1 for growth, _ in loop.modes(-9.7) if growth > 0.0)
     v["5.6-machine-300"] = MachineLoop(300.0, kept=9).held(9.7, (606.0, 828.0))
     v["5.6-bandwidth-second"] = bisect(lambda W: MachineLoop(W, kept=9).modes(9.7)[1][0], 100.0, 200.0, 12)
     v["5.6-bandwidth-quiet"] = bisect(lambda W: MachineLoop(W, 0.311, kept=9).modes(1.0)[0][0], 100.0, 200.0, 12)
