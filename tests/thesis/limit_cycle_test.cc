@@ -2,6 +2,7 @@
 // the loop's own run.
 #include "thesis/limit_cycle.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,9 @@
 
 #include "base/random.h"
 #include "base/subnormals.h"
+#include "experiment/prepare.h"
+#include "experiment/run_scenario.h"
+#include "tests/support/registry.h"
 #include "thesis/tone.h"
 
 namespace dynoproof {
@@ -60,6 +64,31 @@ TEST(LimitCycle, NeedsAModeThatGrowsAndFallsWithTheGain) {
   using Modes = std::vector<FilteredLoopMode>;
   const auto always = [](double) -> Result<Modes> { return Modes{{600.0, 1.0}}; };
   EXPECT_FALSE(PredictLimitCycle(always, 2.1, 600.0, 4000.0).ok());
+}
+
+/// The verdicts on frequency and amplitude of suppression/limit_cycle_machine when these are expected.
+std::vector<score::Verdict> Judged(double frequency_Hz, double amplitude) {
+  Diagnostics diagnostics;
+  const std::string check = fmt::format(
+      "check=[{{ kind = \"oscillation\", signal = \"T_shaft\", frequency_Hz = {}, amplitude = {}, during_s = [1.0, "
+      "1.2], "
+      "tolerance_Hz = 0.3, tolerance = 0.01, origin = \"test\" }}]",
+      frequency_Hz, amplitude);
+  const auto prepared = Prepare("scenarios/suppression/limit_cycle_machine.toml",
+                                {{check, "run.duration_s=1.3"}, "", nullptr}, testing::FullRegistry(), diagnostics);
+  EXPECT_NE(prepared, nullptr) << diagnostics.Format();
+  RunOptions options;
+  options.out = "";
+  std::vector<score::Verdict> verdicts;
+  for (const score::Check& one : RunScenario(*prepared, options).checks) verdicts.push_back(one.verdict);
+  return verdicts;
+}
+
+TEST(OscillationCheck, SeesAnotherFrequencyAndAnotherAmplitude) {
+  using enum score::Verdict;
+  EXPECT_EQ(Judged(603.92, 686.3), (std::vector{kPass, kPass}));
+  EXPECT_EQ(Judged(604.32, 686.3), (std::vector{kFail, kPass}));
+  EXPECT_EQ(Judged(603.92, 700.1), (std::vector{kPass, kFail}));
 }
 
 }  // namespace
