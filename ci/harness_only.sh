@@ -19,6 +19,7 @@ done
 rm golden/published.toml golden/figures.toml golden/coverage.toml golden/independent.py
 rm bench/campaigns/suppression.toml bench/campaigns/suppression_probing.toml bench/campaigns/r2r_spread.toml
 rm bench/campaigns/machine_bandwidth.toml bench/campaigns/machine_bandwidth_runs.toml bench/machine_bandwidth.py
+rm bench/campaigns/machine_robustness.toml bench/machine_robustness.py
 rm bench/worst_load.cc bench/core_bench.cc
 git init -q .  # the tree's scripts ask git for the files; the copy lies inside another one
 git add -A

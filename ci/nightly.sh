@@ -63,6 +63,7 @@ campaign suppression
 campaign suppression_probing
 campaign r2r_spread
 step machine_bandwidth ./bench/machine_bandwidth.py build/dynoproof
+step machine_robustness ./bench/machine_robustness.py build/dynoproof
 step worst_load ./build/bench/worst_load --json out/nightly/worst_load.json
 # Other cases every night; each diagnosis uses all cores.
 printf 'include = ["%s/bench/campaigns/blind.toml"]\nseed = %s\n' "$PWD" "$(date +%Y%m%d)" >out/nightly/blind.toml

@@ -6,7 +6,9 @@
 #include "plugins/control/charge_air_control/charge_air_control.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
+#include "plugins/control/encoder/encoder.h"
 #include "plugins/control/engine_control/engine_control.h"
+#include "plugins/control/inverter/inverter.h"
 #include "plugins/control/pressure_pi/pressure_pi.h"
 #include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
@@ -60,7 +62,9 @@ void RegisterControls(Registry& registry) {
   registry.Add<controls::ChargeAirLegacy>();
   registry.Add<controls::ClassicalCore>();
   registry.Add<controls::Core10k>();
+  registry.Add<controls::Encoder>();
   registry.Add<controls::EngineGovernor>();
+  registry.Add<controls::Inverter>();
   registry.Add<controls::KnockControl>();
   registry.Add<controls::NoxControl>();
   registry.Add<controls::PressurePi>();

@@ -54,13 +54,22 @@ std::string Keep(const AtlasFigure& figure, Picture& picture) {
   return "";
 }
 
+/// The picture of that name; of a signal over time the one that it shares with others of its unit, where it has none alone.
+std::vector<Picture>::const_iterator FindPicture(const std::vector<Picture>& pictures, const std::string& key) {
+  const auto named = std::ranges::find(pictures, key, &Picture::key);
+  constexpr std::string_view kCourse = "time:";
+  if (named != pictures.end() || !key.starts_with(kCourse)) return named;
+  return std::ranges::find_if(pictures, [signal = key.substr(kCourse.size())](const Picture& one) {
+    return one.key.starts_with(kCourse) && std::ranges::find(one.curves, signal, &Curve::label) != one.curves.end();
+  });
+}
+
 /// Puts the pictures of a figure's scenario number `i` into their places.
 void PutIn(const RunPictures& run, std::size_t i, DrawnFigure& drawn) {
   const AtlasFigure& figure = drawn.figure;
   const std::string& label = figure.labels.empty() ? figure.scenarios[i] : figure.labels[i];
   for (std::size_t k = 0; k < figure.pictures.size(); ++k) {
-    const auto found = std::find_if(run.pictures.begin(), run.pictures.end(),
-                                    [&](const Picture& one) { return one.key == figure.pictures[k]; });
+    const auto found = FindPicture(run.pictures, figure.pictures[k]);
     if (found == run.pictures.end()) {
       drawn.fault = fmt::format("{} has no picture \"{}\"", figure.scenarios[i], figure.pictures[k]);
       continue;

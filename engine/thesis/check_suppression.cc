@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
-#include <numbers>
+#include <span>
 
 #include "base/within.h"
+#include "thesis/tone.h"
 
 namespace dynoproof {
 namespace {
+
+constexpr double kNear_Hz = 20.0;  // an oscillation is looked for so far from where it is expected
 
 const std::vector<double>& Values(const CheckContext& context, const std::string& output) {
   return context.samples().outputs[static_cast<std::size_t>(FindOutput(context.rig(), output))];
@@ -51,18 +53,6 @@ double Rms(const std::vector<double>& values, std::size_t begin, std::size_t end
   return std::sqrt(sum / static_cast<double>(end - begin));
 }
 
-/// Amplitude of the windowed Fourier transform of values[begin, end) at a frequency.
-double AmplitudeAt(const std::vector<double>& values, std::size_t begin, std::size_t end, double period_s, double f) {
-  const auto n = static_cast<double>(end - begin);
-  std::complex<double> sum = 0.0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const double x = 2.0 * std::numbers::pi * static_cast<double>(i - begin);
-    sum +=
-        values[i] * (0.42 - 0.5 * std::cos(x / n) + 0.08 * std::cos(2.0 * x / n)) * std::polar(1.0, -x * f * period_s);
-  }
-  return 2.0 / (0.42 * n) * std::abs(sum);
-}
-
 struct Placement {
   double time_s, f_Hz;
 };
@@ -92,19 +82,9 @@ std::vector<score::Check> GrowthCheck::Run(CheckContext& context) const {
       return {Judge("growth", kName, std::numeric_limits<double>::quiet_NaN(), p_.tolerance_per_s, "1/s", p_.origin,
                     "a window does not lie within the run")};
     }
-    // The largest value within 20 Hz, first coarsely, then in steps of 0.02 Hz.
-    double best = 0.0;
-    for (double step : {0.5, 0.02}) {
-      const double centre = best == 0.0 ? p_.frequency_Hz : frequency, half = best == 0.0 ? 20.0 : 0.6;
-      for (double f = centre - half; f <= centre + half; f += step) {
-        const double a = AmplitudeAt(values, begin, end, period, f);
-        if (a > best) {
-          best = a;
-          frequency = f;
-        }
-      }
-    }
-    amplitude[w] = best;
+    const Tone tone = StrongestTone(std::span(values).subspan(begin, end - begin), period, p_.frequency_Hz, kNear_Hz);
+    amplitude[w] = tone.amplitude;
+    frequency = tone.frequency_Hz;
   }
   const double growth = std::log(amplitude[1] / amplitude[0]) / (p_.second_s - p_.first_s);
   const std::string what = fmt::format("{:.0f} Hz", p_.frequency_Hz);
@@ -115,6 +95,26 @@ std::vector<score::Check> GrowthCheck::Run(CheckContext& context) const {
           Judge("growth at " + what, kName, std::abs(growth - p_.growth_per_s), p_.tolerance_per_s, "1/s", p_.origin,
                 fmt::format("from {:.3g} to {:.3g}: {:.2f} 1/s, the eigenvalue has {:.2f}", amplitude[0], amplitude[1],
                             growth, p_.growth_per_s))};
+}
+
+std::vector<score::Check> OscillationCheck::Run(CheckContext& context) const {
+  const std::vector<double>& values = Values(context, p_.signal);
+  const std::size_t begin = Row(context, p_.during_s[0]), end = Row(context, p_.during_s[1]);
+  if (end >= values.size()) return {EndsBefore(context, kName, "during_s", p_.during_s[1], p_.origin)};
+  const Tone tone = StrongestTone(std::span(values).subspan(begin, end - begin), context.rig().run.period_s,
+                                  p_.frequency_Hz, p_.near_Hz);
+  const std::string what = fmt::format("{} at {:.4g} Hz", p_.signal, p_.frequency_Hz);
+  context.figures[fmt::format("{}_{:.0f}_hz", p_.signal, p_.frequency_Hz)] = {tone.frequency_Hz, "Hz"};
+  context.figures[fmt::format("{}_{:.0f}_hz_amplitude", p_.signal, p_.frequency_Hz)] = {
+      tone.amplitude, context.rig().outputs[static_cast<std::size_t>(FindOutput(context.rig(), p_.signal))].unit};
+  return {Judge("frequency of " + what, kName, std::abs(tone.frequency_Hz - p_.frequency_Hz), p_.tolerance_Hz, "Hz",
+                p_.origin, fmt::format("it oscillates at {:.2f} Hz", tone.frequency_Hz)),
+          Judge("amplitude of " + what, kName, std::abs(tone.amplitude / p_.amplitude - 1.0), p_.tolerance, "1",
+                p_.origin, fmt::format("{:.5g} is seen, {:.5g} expected", tone.amplitude, p_.amplitude))};
+}
+
+void OscillationCheck::Params::Check(Faults& faults) const {
+  if (during_s.size() != 2 || !(during_s[1] > during_s[0])) faults.At("during_s", "write [from, to] with from < to");
 }
 
 std::vector<score::Check> PlacementsCheck::Run(CheckContext& context) const {

@@ -38,6 +38,37 @@ class GrowthCheck : public CheckPlan {
   Params p_;
 };
 
+/// Frequency and amplitude of one lasting oscillation of a signal in a stretch of the run. Figures <signal>_<f>_hz and
+/// <signal>_<f>_hz_amplitude.
+class OscillationCheck : public CheckPlan {
+ public:
+  struct Params {
+    std::string signal, origin;
+    double frequency_Hz = 0.0, amplitude = 0.0, near_Hz = 20.0, tolerance_Hz = 0.0, tolerance = 0.0;
+    std::vector<double> during_s;
+    void Visit(auto& v) {
+      v.Required("signal", signal, Any(), "output that is looked at");
+      v.Required("frequency_Hz", frequency_Hz, Positive(), "frequency of the oscillation");
+      v.Required("amplitude", amplitude, Positive("1"), "its amplitude, in the signal's unit");
+      v.Required("during_s", during_s, NonNegative("s"), "from and to: the stretch of the run");
+      v.Optional("near_Hz", near_Hz, Positive(), "the strongest tone within this of the frequency is taken");
+      v.Required("tolerance_Hz", tolerance_Hz, Positive(), "limit of the frequency's deviation");
+      v.Required("tolerance", tolerance, Positive("1"), "limit of the amplitude's relative deviation");
+      v.Required("origin", origin, Any(), "why these limits");
+    }
+    void Check(Faults& faults) const;
+  };
+  static constexpr const char* kName = "oscillation";
+  static constexpr const char* kSummary = "frequency and amplitude of a lasting oscillation";
+  static constexpr const char* kRelativeLimits[] = {"tolerance"};
+  explicit OscillationCheck(Params params) : p_(std::move(params)) {}
+  std::vector<std::string> Signals() const override { return {p_.signal}; }
+  std::vector<score::Check> Run(CheckContext& context) const override;
+
+ private:
+  Params p_;
+};
+
 /// Placements of notch filters, in their order, and the loop's quiet after them. Figures notch_1_hz .., placement_1_s
 /// .., placements_after_load.
 class PlacementsCheck : public CheckPlan {

@@ -3,6 +3,7 @@
 #include "campaign/campaign.h"
 #include "thesis/check_contacts.h"
 #include "thesis/check_coupling.h"
+#include "thesis/check_filters.h"
 #include "thesis/check_load_step.h"
 #include "thesis/check_pressure.h"
 #include "thesis/check_suppression.h"
@@ -19,8 +20,10 @@ void RegisterThesis(Registry& registry) {
   registry.AddCheck<ContactsCheck>();
   registry.AddCheck<CouplingCheck>();
   registry.AddCheck<DivergenceCheck>();
+  registry.AddCheck<FiltersHoldCheck>();
   registry.AddCheck<GrowthCheck>();
   registry.AddCheck<LoadStepCheck>();
+  registry.AddCheck<OscillationCheck>();
   registry.AddCheck<PlacementsCheck>();
   registry.AddCheck<RampsCheck>();
   registry.AddCheck<WanderCheck>();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -16,7 +17,9 @@
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "sim/solver.h"
+#include "thesis/limit_cycle.h"
 #include "thesis/machine_loop.h"
+#include "thesis/machine_scenario.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {
@@ -39,22 +42,51 @@ control10k::NotchCoefficients NotchAt(double f_Hz, double r) {
   return c;
 }
 
-/// The modes of the loop that the parameters describe: `machine_Hz` is the bandwidth of the machine's current control,
-/// absent where a lag stands for both.
-Result<std::vector<FilteredLoopMode>> ModesOf(const Value& parameters,
-                                              const std::vector<control10k::NotchCoefficients>& notches) {
-  const double k_V = parameters.NumberOr("k_V", 9.7), machine_Hz = parameters.NumberOr("machine_Hz", 0.0);
+using Notches = std::vector<control10k::NotchCoefficients>;
+using LoopModes = std::function<Result<std::vector<FilteredLoopMode>>(double k_V, const Notches& notches)>;
+
+std::unique_ptr<Prepared> PreparedScenario(const Registry& registry, const std::string& id, Diagnostics& diagnostics) {
+  std::unique_ptr<Prepared> prepared;
+  for (const std::string& file : FindScenarios(id, diagnostics)) prepared = Prepare(file, {}, registry, diagnostics);
+  return prepared;
+}
+
+/// The loop that the parameters describe, by its gain and filters: that of a `scenario` with the machine, else of the
+/// road-to-rig test bed, `machine_Hz` being the bandwidth of the machine's current control, absent where a lag stands for
+/// both.
+Result<LoopModes> LoopOf(const Registry& registry, const Value& parameters) {
+  const double machine_Hz = parameters.NumberOr("machine_Hz", 0.0);
   const int delay = static_cast<int>(parameters.NumberOr("delay_samples", 0.0));
-  if (machine_Hz <= 0.0) return FilteredLoopModes(PlantOf(parameters), k_V, delay, notches);
-  const Result<MachineLoop> loop = MachineLoop::Create(PlantOf(parameters), VascatDrive(machine_Hz), delay);
+  const std::string scenario = parameters.TextOr("scenario");
+  if (scenario.empty() && machine_Hz <= 0.0) {
+    return LoopModes([plant = PlantOf(parameters), delay](double k_V, const Notches& notches) {
+      return FilteredLoopModes(plant, k_V, delay, notches);
+    });
+  }
+  Result<MachineLoop> loop = Wrong("no loop");
+  if (scenario.empty()) {
+    loop = MachineLoop::Create(PlantOf(parameters), VascatDrive(machine_Hz), delay);
+  } else {
+    Diagnostics diagnostics;
+    const std::unique_ptr<Prepared> prepared = PreparedScenario(registry, scenario, diagnostics);
+    if (prepared == nullptr) return Wrong(diagnostics.Format());
+    loop = MachineLoopOf(prepared->plan, *prepared->rig, std::numeric_limits<double>::infinity());
+  }
   if (!loop.ok()) return loop.failure();
-  return loop->Modes(k_V, notches);
+  return LoopModes([made = *std::move(loop)](double k_V, const Notches& notches) { return made.Modes(k_V, notches); });
+}
+
+Result<std::vector<FilteredLoopMode>> ModesOf(const Registry& registry, const Value& parameters,
+                                              const Notches& notches) {
+  const Result<LoopModes> loop = LoopOf(registry, parameters);
+  if (!loop.ok()) return loop.failure();
+  return (*loop)(parameters.NumberOr("k_V", 9.7), notches);
 }
 
 /// Of the sampled loop's mode number `mode` (the fastest growing is 1): `quantity` = frequency or growth. Negative k_V:
 /// the printed sign of the feedthrough.
-Result<Figure> LoopModeStudy(const Registry&, const Value& parameters) {
-  const auto modes = ModesOf(parameters, {});
+Result<Figure> LoopModeStudy(const Registry& registry, const Value& parameters) {
+  const auto modes = ModesOf(registry, parameters, {});
   if (!modes.ok()) return modes.failure();
   const auto index = static_cast<std::size_t>(parameters.NumberOr("mode", 1.0)) - 1;
   if (index >= modes->size()) return Wrong("no such mode");
@@ -62,14 +94,30 @@ Result<Figure> LoopModeStudy(const Registry&, const Value& parameters) {
   return parameters.TextOr("quantity") == "growth" ? Figure{mode.growth_per_s, "1/s"} : Figure{mode.frequency_hz, "Hz"};
 }
 
+/// The limit cycle near `near_Hz` that the torque limit `T_limit_Nm` leaves, filters idle at 1500 Hz, by its describing
+/// function: `quantity` = frequency, amplitude (of T_shaft) or border (the gain on the brink of stability).
+Result<Figure> LimitCycleStudy(const Registry& registry, const Value& parameters) {
+  const Result<LoopModes> loop = LoopOf(registry, parameters);
+  if (!loop.ok()) return loop.failure();
+  const auto idle = [&](double k_V) { return (*loop)(k_V, Notches(2, NotchAt(1500.0, 0.995))); };
+  const Result<LimitCycle> cycle =
+      PredictLimitCycle(idle, parameters.NumberOr("k_V", 9.7), parameters.NumberOr("near_Hz", 604.0),
+                        parameters.NumberOr("T_limit_Nm", 4000.0));
+  if (!cycle.ok()) return cycle.failure();
+  const std::string quantity = parameters.TextOr("quantity");
+  if (quantity == "amplitude") return Figure{cycle->T_shaft_Nm, "N m"};
+  if (quantity == "border") return Figure{cycle->border_gain, "1"};
+  return Figure{cycle->frequency_Hz, "Hz"};
+}
+
 /// How many modes of the loop grow.
-Result<Figure> UnstableModes(const Registry&, const Value& parameters) {
+Result<Figure> UnstableModes(const Registry& registry, const Value& parameters) {
   std::vector<control10k::NotchCoefficients> notches;
   const double r = parameters.NumberOr("radius", 0.995);
   for (const char* key : {"notch_1_Hz", "notch_2_Hz"}) {
     if (const double f = parameters.NumberOr(key, 0.0); f > 0.0) notches.push_back(NotchAt(f, r));
   }
-  const auto modes = ModesOf(parameters, notches);
+  const auto modes = ModesOf(registry, parameters, notches);
   if (!modes.ok()) return modes.failure();
   return Figure{static_cast<double>(std::count_if(modes->begin(), modes->end(),
                                                   [](const auto& mode) { return mode.growth_per_s > 0.0; })),
@@ -276,10 +324,7 @@ Result<Figure> ProbeShift(const Registry&, const Value& parameters) {
 /// the largest component between 100 and 2000 Hz).
 Result<Figure> LastOscillation(const Registry& registry, const Value& parameters) {
   Diagnostics diagnostics;
-  std::unique_ptr<Prepared> prepared;
-  for (const std::string& file : FindScenarios(parameters.TextOr("scenario"), diagnostics)) {
-    prepared = Prepare(file, {}, registry, diagnostics);
-  }
+  const std::unique_ptr<Prepared> prepared = PreparedScenario(registry, parameters.TextOr("scenario"), diagnostics);
   if (prepared == nullptr) return Wrong(diagnostics.Format());
   const Rig& rig = *prepared->rig;
   const auto solver = MakeSolver(rig.run.solver, rig);
@@ -330,6 +375,7 @@ std::map<std::string, Study, std::less<>> SuppressionStudies() {
       {"interpolation_offset_error", OffsetError},
       {"lags_explaining_both", LagsExplainingBoth},
       {"last_oscillation", LastOscillation},
+      {"limit_cycle", LimitCycleStudy},
       {"lobe_error", LobeError},
       {"loop_gain_at_phase_crossing", LoopGainAtPhaseCrossing},
       {"loop_mode", LoopModeStudy},

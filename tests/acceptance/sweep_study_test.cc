@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "tests/support/program.h"
 
 namespace dynoproof::test {
@@ -38,6 +41,30 @@ by = "load"
   const Outcome refused = bench.Call({"sweep", "wrong.toml"});
   EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, HasSubstr("near_tone"));
+}
+
+// bench/campaigns/machine_robustness.toml in small: the same axes, six plants under a load that comes at once or late.
+TEST(RobustnessOfTheScheme, DependsOnWhenTheLoadComes) {
+  const Bench bench;
+  std::ifstream shipped("bench/campaigns/machine_robustness.toml");
+  std::string file((std::istreambuf_iterator<char>(shipped)), {});
+  const auto replace = [&file](const std::string& from, const std::string& to) {
+    ASSERT_NE(file.find(from), std::string::npos) << from;
+    file.replace(file.find(from), from.size(), to);
+  };
+  replace("samples = 1000", "samples = 6");
+  replace("run.duration_s=5.0", "run.duration_s=2.5");
+  replace("uniform = [0.1, 2.0]", "list = [0.1, 2.0]");
+  bench.Write("small.toml", file + "\n[rate.failing]\nhits = \"fail\"\nby = \"input.T_load.source.start_time_s\"\n");
+  const nlohmann::json result = bench.Json({"sweep", "small.toml"});
+  EXPECT_EQ(result["exit"], 0);
+  EXPECT_EQ(result["verdicts"].value("broken", 0), 0);
+  // The plants are the same: what the early load hides, the late one leaves to be found.
+  const nlohmann::json& found = result["rates"]["found"]["all"];
+  const nlohmann::json& failing = result["rates"]["failing"]["groups"];
+  EXPECT_GT(found["of"].get<int>(), 0);
+  EXPECT_GT(failing["0.1"]["hits"].get<int>(), failing["2"]["hits"].get<int>()) << result["rates"].dump(2);
+  EXPECT_LT(failing["0.1"]["ci95"][0].get<double>(), failing["0.1"]["ci95"][1].get<double>());
 }
 
 }  // namespace

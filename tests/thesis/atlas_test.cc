@@ -70,6 +70,20 @@ TEST(Atlas, AMissingPictureIsAFaultOfTheFigure) {
   EXPECT_THAT(drawn[0].fault, ::testing::HasSubstr("no such picture"));
 }
 
+/// Inputs of one unit share a picture, which bears the name of the first.
+TEST(Atlas, ASignalIsFoundInThePictureThatItShares) {
+  AtlasFigure figure;
+  figure.number = "5.24";
+  figure.scenarios = {"suppression/r2r_experiment_2"};
+  figure.pictures = {"time:T_airgap"};
+  const std::vector<DrawnFigure> drawn = Draw(testing::FullRegistry(), {figure});
+  ASSERT_EQ(drawn.size(), 1u);
+  EXPECT_EQ(drawn[0].fault, "");
+  ASSERT_EQ(drawn[0].pictures.size(), 1u);
+  EXPECT_TRUE(
+      std::ranges::any_of(drawn[0].pictures[0].curves, [](const Curve& one) { return one.label == "T_airgap"; }));
+}
+
 TEST(Atlas, SetupsSideBySideShareTheirOrdinate) {
   AtlasFigure figure;
   figure.number = "3.1";

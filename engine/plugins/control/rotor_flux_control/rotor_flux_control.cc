@@ -8,18 +8,6 @@ namespace {
 using control10k::TorqueState;
 static_assert(sizeof(TorqueState) == 9 * sizeof(double));  // the states below, in this order
 
-control10k::TorqueConfig ConfigOf(const RotorFluxControl::Params& params, double period_s) {
-  control10k::TorqueConfig config;
-  params.Derive(config.machine);
-  config.period_s = period_s;
-  config.current_bandwidth_Hz = params.current_bandwidth_Hz;
-  config.flux_bandwidth_Hz = params.flux_bandwidth_Hz;
-  config.dc_link_V = params.dc_link_V;
-  config.overload = params.overload;
-  config.initial_torque_Nm = params.initial_torque_Nm;
-  return config;
-}
-
 }  // namespace
 
 PluginInfo RotorFluxControl::Info() {
@@ -33,8 +21,20 @@ PluginInfo RotorFluxControl::Info() {
       {}};
 }
 
+control10k::TorqueConfig RotorFluxControl::Params::Config(double period_s) const {
+  control10k::TorqueConfig config;
+  Derive(config.machine);
+  config.period_s = period_s;
+  config.current_bandwidth_Hz = current_bandwidth_Hz;
+  config.flux_bandwidth_Hz = flux_bandwidth_Hz;
+  config.dc_link_V = dc_link_V;
+  config.overload = overload;
+  config.initial_torque_Nm = initial_torque_Nm;
+  return config;
+}
+
 RotorFluxControl::RotorFluxControl(const Params& params, const BuildContext& context)
-    : control_(ConfigOf(params, context.period_s)) {
+    : control_(params.Config(context.period_s)) {
   MachineModel machine;
   params.Derive(machine);
   const double volts = params.dc_link_V / std::sqrt(3.0), amperes = machine.rated_peak_current;

@@ -26,6 +26,8 @@ class RotorFluxControl : public Component {
       v.Optional("overload", overload, Between(1.0, 10.0), "largest over rated current");
       v.Optional("initial_torque_Nm", initial_torque_Nm, Any(), "torque of the machine at t = 0");
     }
+    /// As the core takes them, for a control that ticks with this period.
+    control10k::TorqueConfig Config(double period_s) const;
   };
   static PluginInfo Info();
   RotorFluxControl(const Params& params, const BuildContext& context);
