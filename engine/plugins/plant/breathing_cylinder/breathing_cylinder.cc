@@ -155,9 +155,10 @@ void BreathingCylinder::Start(std::span<const double> inputs, std::span<double> 
 
 double BreathingCylinder::FuelFlow(const View& view, double phi) const {
   const std::span<const double> u = view.inputs;
+  const double since = WithinCycle(phi - injection_.opens);
+  if (since > injection_.longest) return 0.0;
   const double timed = mechanics::OrificeFlow(fuel_gas_, injection_.area, u[kGasReference], u[kChargeReference]);
-  const double width = injection_.Width(u[kFuel], u[kSpeed], timed);
-  const double share = injection_.Share(WithinCycle(phi - injection_.opens), width);
+  const double share = injection_.Share(since, injection_.Width(u[kFuel], u[kSpeed], timed));
   return mechanics::OrificeFlow(fuel_gas_, injection_.area * share, u[kGasPressure], u[kChargePressure]);
 }
 
