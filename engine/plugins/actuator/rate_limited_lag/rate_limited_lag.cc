@@ -17,7 +17,6 @@ RateLimitedLag::RateLimitedLag(const Params& params, const BuildContext& context
     : Stage(context.nominal), tau_(params.tau_s), rate_(params.rate_per_s), start_(params.start) {
   if (tau_ == 0.0) return;
   layout_.states = {{"out", "1", "position, in the signal's unit", context.nominal}};
-  layout_.guards = 2;  // the kinks where the rate is reached
 }
 
 void RateLimitedLag::Start(std::span<const double> inputs, std::span<double> states, std::span<int>) const {
@@ -30,12 +29,6 @@ void RateLimitedLag::Output(const View& view, std::span<double> outputs) const {
 
 void RateLimitedLag::Derivative(const View& view, std::span<double> rates) const {
   if (tau_ > 0.0) rates[0] = std::clamp(Wanted(view), -rate_, rate_);
-}
-
-void RateLimitedLag::Guards(const View& view, std::span<double> values) const {
-  if (tau_ == 0.0) return;
-  values[0] = rate_ - Wanted(view);
-  values[1] = rate_ + Wanted(view);
 }
 
 }  // namespace dynoproof::stages

@@ -30,7 +30,6 @@ class RateLimitedLag : public Stage {
   bool FeedsThrough(int, int) const override { return tau_ == 0.0; }
   void Output(const View& view, std::span<double> outputs) const override;
   void Derivative(const View& view, std::span<double> rates) const override;
-  void Guards(const View& view, std::span<double> values) const override;
 
  private:
   double Wanted(const View& view) const { return (view.inputs[0] - view.states[0]) / tau_; }
