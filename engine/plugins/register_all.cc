@@ -2,13 +2,16 @@
 #include "model/registry.h"
 #include "plugins/actuator/linear_stages/linear_stages.h"
 #include "plugins/actuator/play/play.h"
+#include "plugins/actuator/rate_limited_lag/rate_limited_lag.h"
 #include "plugins/actuator/static_stages/static_stages.h"
+#include "plugins/control/back_pressure_control/back_pressure_control.h"
 #include "plugins/control/charge_air_control/charge_air_control.h"
 #include "plugins/control/classical_core/classical_core.h"
 #include "plugins/control/core_10k/core_10k.h"
 #include "plugins/control/encoder/encoder.h"
 #include "plugins/control/engine_control/engine_control.h"
 #include "plugins/control/inverter/inverter.h"
+#include "plugins/control/indication/indication.h"
 #include "plugins/control/pressure_pi/pressure_pi.h"
 #include "plugins/control/rotor_flux_control/rotor_flux_control.h"
 #include "plugins/control/speed_pi/speed_pi.h"
@@ -25,6 +28,9 @@
 #include "plugins/law/hydrodynamic_coupling/hydrodynamic_coupling.h"
 #include "plugins/law/loads/loads.h"
 #include "plugins/law/springs/springs.h"
+#include "plugins/plant/back_pressure/back_pressure.h"
+#include "plugins/plant/balance/balance.h"
+#include "plugins/plant/breathing_cylinder/breathing_cylinder.h"
 #include "plugins/plant/charge_air/charge_air.h"
 #include "plugins/plant/drive_line/drive_line.h"
 #include "plugins/plant/engine_bank/engine_bank.h"
@@ -54,10 +60,12 @@ void RegisterActuators(Registry& registry) {
   registry.Add<stages::DeadZone>();
   registry.Add<stages::Harmonic>();
   registry.Add<stages::Play>();
+  registry.Add<stages::RateLimitedLag>();
   registry.Add<stages::Saturation>();
 }
 
 void RegisterControls(Registry& registry) {
+  registry.Add<controls::BackPressureControl>();
   registry.Add<controls::ChargeAirControl>();
   registry.Add<controls::ChargeAirLegacy>();
   registry.Add<controls::ClassicalCore>();
@@ -65,6 +73,8 @@ void RegisterControls(Registry& registry) {
   registry.Add<controls::Encoder>();
   registry.Add<controls::EngineGovernor>();
   registry.Add<controls::Inverter>();
+  registry.Add<controls::GasReference>();
+  registry.Add<controls::Indication>();
   registry.Add<controls::KnockControl>();
   registry.Add<controls::NoxControl>();
   registry.Add<controls::PressurePi>();
@@ -137,6 +147,9 @@ void RegisterLaws(Registry& registry) {
 }
 
 void RegisterPlants(Registry& registry) {
+  registry.Add<BackPressure>();
+  registry.Add<Balance>();
+  registry.Add<BreathingCylinder>();
   registry.Add<ChargeAir>();
   registry.Add<DriveLine>();
   registry.Add<EngineBank>();

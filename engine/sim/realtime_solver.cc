@@ -562,7 +562,7 @@ class RealtimeSolver : public Solver {
     for (int sweep = 0; sweep < rig_.run.realtime.corrections; ++sweep) {
       if (!roles_.nonlinear.empty() && !ahead_ &&
           (rig_.run.realtime.part_corrections == 0 || sweep < rig_.run.realtime.part_corrections)) {
-        AdvanceParts(frame, time_s, step.length_s);
+        AdvanceParts(frame, time_s, step.length_s, sweep == 0 && !carried_);
         for (std::size_t i = 0; i < reads; ++i) {
           if (!group_.read_is_held[i]) ramp_[i] = frame.signals[group_.reads[i]] - v0_[i];
         }
@@ -755,30 +755,41 @@ class RealtimeSolver : public Solver {
   }
 
   /// Carries the nonlinear parts over a substep (Runge-Kutta 4) while the linear signals run straight from y0_ to y_.
-  void AdvanceParts(Frame& frame, double time_s, double h) {
+  /// `settled`: they have been evaluated at its beginning.
+  void AdvanceParts(Frame& frame, double time_s, double h, bool settled) {
     const double weight[5] = {0.0, 0.5, 0.5, 1.0, 1.0};
     for (int stage = 0; stage < 5; ++stage) {
       const double s = weight[stage];
-      for (std::size_t i = 0; i < group_.writes.size(); ++i) {
-        frame.signals[group_.writes[i]] = y0_[i] + s * (y_[i] - y0_[i]);
-      }
-      for (const int index : roles_.nonlinear) {
-        const Block& block = rig_.blocks[index];
-        const int first = block.first_state, count = block.states();
-        for (int i = first; i < first + count; ++i) {
-          frame.states[i] =
-              stage == 0 ? states_[i]
-              : stage == 4
-                  ? states_[i] + h / 6.0 * (stages_[0][i] + 2.0 * stages_[1][i] + 2.0 * stages_[2][i] + stages_[3][i])
-                  : states_[i] + s * h * stages_[stage - 1][i];
+      if (stage > 0 || !settled) {
+        for (std::size_t i = 0; i < group_.writes.size(); ++i) {
+          frame.signals[group_.writes[i]] = y0_[i] + s * (y_[i] - y0_[i]);
         }
-      }
-      for (const int index : roles_.nonlinear) {
-        EvaluateBlock(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals);
+        for (const int index : roles_.nonlinear) PutStage(frame, rig_.blocks[index], stage, s * h, h);
+        for (const int index : roles_.nonlinear) EvaluateAt(frame, index, time_s + s * h);
       }
       if (stage == 4) break;
       for (const int index : roles_.nonlinear) {
         EvaluateRates(rig_.blocks[index], time_s + s * h, frame.states, frame.modes, frame.signals, stages_[stage]);
+      }
+    }
+  }
+
+  /// The states of a part where a stage of the Runge-Kutta method wants them; 4: at the end.
+  void PutStage(Frame& frame, const Block& block, int stage, double step, double h) const {
+    const std::size_t first = static_cast<std::size_t>(block.first_state),
+                      count = static_cast<std::size_t>(block.states());
+    double* const x = frame.states.data() + first;
+    const double* const begin = states_.data() + first;
+    if (stage == 0) {
+      std::copy_n(begin, count, x);
+    } else if (stage < 4) {
+      const double* const rate = stages_[stage - 1].data() + first;
+      for (std::size_t i = 0; i < count; ++i) x[i] = begin[i] + step * rate[i];
+    } else {
+      const double* const k[4] = {stages_[0].data() + first, stages_[1].data() + first, stages_[2].data() + first,
+                                  stages_[3].data() + first};
+      for (std::size_t i = 0; i < count; ++i) {
+        x[i] = begin[i] + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]);
       }
     }
   }

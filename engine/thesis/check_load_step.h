@@ -14,7 +14,7 @@ namespace dynoproof {
 /// power_before_W, that of the power; power_peak_W, the largest within `peak_within_s` of the step; power_dip_W, the
 /// least between there and recovery; power_end_W, the mean of the last second. The speed drops between two limits and
 /// recovers; the power rises at once, is taken back while the speed is low (by dip_percent of the rise at least) and
-/// comes to its new level.
+/// comes to its new level. The same figures, without limits, for every [variant.NAME], as NAME.speed_drop_percent.
 class LoadStepCheck : public CheckPlan {
  public:
   struct Params {
@@ -45,6 +45,7 @@ class LoadStepCheck : public CheckPlan {
   std::vector<score::Check> Run(CheckContext& context) const override;
 
  private:
+  void ReportVariants(CheckContext& context, std::size_t step) const;
   Params p_;
 };
 

@@ -74,6 +74,25 @@ RampFigures Analyse(const std::vector<double>& time, const std::vector<double>& 
   return worst;
 }
 
+/// The centred moving mean over `mean_s`; at the ends, where there is no whole one, the nearest.
+std::vector<double> MovingMean(const std::vector<double>& time, const std::vector<double>& values, double mean_s) {
+  std::vector<double> means(values.size());
+  double sum = 0.0;
+  std::size_t begin = 0, end = 0, first = values.size(), last = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    while (end < values.size() && time[end] < time[k] + 0.5 * mean_s) sum += values[end++];
+    while (time[begin] < time[k] - 0.5 * mean_s) sum -= values[begin++];
+    means[k] = sum / static_cast<double>(end - begin);
+    if (time[k] - 0.5 * mean_s < time.front() || time[k] + 0.5 * mean_s > time.back()) continue;
+    first = std::min(first, k);
+    last = k;
+  }
+  if (first > last) return means;  // a run that is shorter than one mean
+  std::fill(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(first), means[first]);
+  std::fill(means.begin() + static_cast<std::ptrdiff_t>(last), means.end(), means[last]);
+  return means;
+}
+
 score::Check NotMade(std::string name, const char* kind, const std::string& origin, std::string why) {
   score::Check check;
   check.name = std::move(name);
@@ -115,9 +134,13 @@ std::vector<score::Check> RampsCheck::Run(CheckContext& context) const {
           figures.steady, context.rig().outputs[FindOutput(context.rig(), p_.steady)].unit};
     }
   };
-  const RampFigures own =
-      Analyse(samples.time, input, *output(p_.signal), p_.steady.empty() ? nullptr : output(p_.steady), p_);
+  const std::vector<double>* const steady = p_.steady.empty() ? nullptr : output(p_.steady);
+  RampFigures own = Analyse(samples.time, input, *output(p_.signal), steady, p_);
   report("", own);
+  if (p_.mean_s > 0.0) {
+    own = Analyse(samples.time, input, MovingMean(samples.time, *output(p_.signal), p_.mean_s), steady, p_);
+    report("mean.", own);
+  }
   std::vector<score::Check> checks = {
       score::AtMost(p_.signal + " overshoot", kName, own.overshoot_percent, p_.overshoot_percent, "%", p_.origin),
       score::AtMost(p_.signal + " settling", kName, own.settling_s, p_.settling_s, "s", p_.origin)};
@@ -133,11 +156,15 @@ std::vector<score::Check> RampsCheck::Run(CheckContext& context) const {
       return found != nullptr && found->values.size() == input.size() ? &found->values : nullptr;
     };
     if (of(p_.signal) == nullptr) continue;
-    report(variant + ".",
-           Analyse(samples.time, input, *of(p_.signal), p_.steady.empty() ? nullptr : of(p_.steady), p_));
+    const std::vector<double>* const its_steady = p_.steady.empty() ? nullptr : of(p_.steady);
+    report(variant + ".", Analyse(samples.time, input, *of(p_.signal), its_steady, p_));
+    if (p_.mean_s > 0.0) {
+      report(variant + ".mean.",
+             Analyse(samples.time, input, MovingMean(samples.time, *of(p_.signal), p_.mean_s), its_steady, p_));
+    }
   }
   for (const std::string& variant : p_.worse) {
-    const auto found = context.figures.find(variant + ".settling_s");
+    const auto found = context.figures.find(variant + (p_.mean_s > 0.0 ? ".mean." : ".") + "settling_s");
     const std::string what = variant + " is worse";
     if (found == context.figures.end()) {
       checks.push_back(NotMade(what, kName, p_.origin, "there is no such variant"));

@@ -13,14 +13,15 @@ namespace dynoproof {
 /// overshoot_percent beyond the level, of the step; settling_s from the begin of the phase into `band_percent` of the
 /// step for good; delay_s of the ramps; <steady>_steady, the mean of another output over the last tenth of the phase,
 /// where it is farthest from `steady_at`. The same, without limits, for every [variant.NAME], as
-/// NAME.overshoot_percent.
+/// NAME.overshoot_percent. With `mean_s` the limits hold for the centred moving mean of the output, whose figures are
+/// mean.overshoot_percent and NAME.mean.overshoot_percent; those without it are of the output as it pulsates.
 class RampsCheck : public CheckPlan {
  public:
   struct Params {
     std::string signal, reference, steady, origin;
     std::vector<std::string> worse;
     double steady_s = 5.0, band_percent = 1.0, overshoot_percent = 0.0, settling_s = 0.0, steady_at = 0.0,
-           steady_within = 0.0, worse_factor = 2.0;
+           steady_within = 0.0, worse_factor = 2.0, mean_s = 0.0;
     void Visit(auto& v) {
       v.Required("signal", signal, Any(), "output that follows");
       v.Required("reference", reference, Any(), "name of the [input.NAME] it follows, in the same unit");
@@ -31,6 +32,7 @@ class RampsCheck : public CheckPlan {
       v.Optional("steady", steady, Any(), "another output that returns to a place in every phase");
       v.Optional("steady_at", steady_at, Any("1"), "that place, in the output's unit");
       v.Optional("steady_within", steady_within, NonNegative("1"), "largest distance from it");
+      v.Optional("mean_s", mean_s, NonNegative(), "the limits hold for the mean over this time, a cycle of an engine");
       v.Optional("worse", worse, Any(), "variants that must settle later or not at all");
       v.Optional("worse_factor", worse_factor, Positive("1"), "by this factor at least");
       v.Required("origin", origin, Any(), "why these limits");

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/random.h"
+#include "plugins/physics/gas_exchange.h"
 #include "plugins/physics/gas_flow.h"
-#include "plugins/plant/engine_bank/gas_exchange.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/pressure_loops.h"

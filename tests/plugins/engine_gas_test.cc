@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "plugins/physics/gas_exchange.h"
 #include "plugins/physics/slider_crank.h"
-#include "plugins/plant/engine_bank/gas_exchange.h"
 #include "plugins/plant/engine_bank/turbocharger.h"
 #include "plugins/plant/fired_cylinder/fired_cycle.h"
 

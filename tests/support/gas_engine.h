@@ -1,4 +1,4 @@
-// The gas engine of scenarios/pressure/hil_load_step, whole or its bank alone; tests run in the root of the project.
+// The gas engine of scenarios/pressure/hil_load_step, whole, its bank alone or with the chain of its test bed; tests run in the root of the project.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,13 +14,22 @@
 
 namespace dynoproof::testing {
 
-inline std::unique_ptr<Prepared> GasEngine(std::vector<std::string> overrides = {}) {
-  overrides.insert(overrides.begin(), "check=[]");
+/// A scenario of the engine without its checks and variants.
+inline std::unique_ptr<Prepared> EngineScenario(const std::string& name, std::vector<std::string> overrides) {
+  overrides.insert(overrides.begin(), {"check=[]", "variant={}"});
   Diagnostics diagnostics;
-  auto prepared = Prepare("scenarios/pressure/hil_load_step.toml", {std::move(overrides), "", nullptr}, FullRegistry(),
-                          diagnostics);
+  auto prepared =
+      Prepare("scenarios/pressure/" + name + ".toml", {std::move(overrides), "", nullptr}, FullRegistry(), diagnostics);
   EXPECT_NE(prepared, nullptr) << diagnostics.Format();
   return prepared;
+}
+
+inline std::unique_ptr<Prepared> GasEngine(std::vector<std::string> overrides = {}) {
+  return EngineScenario("hil_load_step", std::move(overrides));
+}
+/// The same engine with the chain of its test bed closed.
+inline std::unique_ptr<Prepared> ClosedChain(std::vector<std::string> overrides = {}) {
+  return EngineScenario("hil_closed_chain", std::move(overrides));
 }
 
 /// The bank alone, turned at a speed [rad/s] from an angle [rad], with its other inputs held.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "plugins/plant/engine_bank/gas_exchange.h"
+#include "plugins/physics/gas_exchange.h"
 #include "sim/integrators.h"
 #include "tests/support/gas_engine.h"
 

@@ -167,4 +167,24 @@ void VoltageControl::Tick(const View& view, std::span<double> states, std::span<
   states[1] = 1.0;
 }
 
+PluginInfo GasReference::Info() {
+  return {"control",
+          "gas_reference",
+          "pressure of the fuel gas, above the charge pressure by a fixed difference",
+          "p_g* = p_ch* + difference",
+          "thesis Sec. 6.1, Fig. 6.2 (p_g* named there; not printed)",
+          {}};
+}
+
+GasReference::GasReference(const Params& params) : difference_(params.difference_Pa) {
+  layout_.inputs = {{"charge", "Pa", "charge pressure that is wanted", 1e5}};
+  layout_.outputs = {{"reference", "Pa", "gas pressure that is wanted", 1e5}};
+}
+
+void GasReference::Output(const View& view, std::span<double> outputs) const {
+  outputs[0] = view.inputs[0] + difference_;
+}
+
+void GasReference::Tick(const View& view, std::span<double>, std::span<double> outputs) const { Output(view, outputs); }
+
 }  // namespace dynoproof::controls

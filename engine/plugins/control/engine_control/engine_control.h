@@ -10,6 +10,7 @@
 //   knock_control     retard+ = retard + step while knock > 1, else retard - rate T; within 0 ... largest
 //   voltage_control   U = U_n clamp(1 - slope (w_knee - w)/w_n, least, 1): under-speed takes load off the engine;
 //                     it follows with the lag of the excitation
+//   gas_reference     p_g* = p_ch* + difference: the gas valve in the port needs a pressure drop
 #pragma once
 
 #include "model/registry.h"
@@ -110,6 +111,22 @@ class VoltageControl : public Component {
   VoltageControl(const Params& params, double period_s);
   Params p_;
   double step_;  // share of the distance that the excitation goes in a tick
+};
+
+class GasReference : public Component {
+ public:
+  struct Params {
+    double difference_Pa = 0.0;
+    void Visit(auto& v) { v.Required("difference_Pa", difference_Pa, Any(), "of the gas to the charge pressure"); }
+  };
+  static PluginInfo Info();
+  explicit GasReference(const Params& params);
+  bool FeedsThrough(int, int) const override { return true; }
+  void Output(const View& view, std::span<double> outputs) const override;
+  void Tick(const View& view, std::span<double> states, std::span<double> outputs) const override;
+
+ private:
+  double difference_;
 };
 
 }  // namespace dynoproof::controls

@@ -103,7 +103,8 @@ ChargeAir::ChargeAir(const Params& params)
   layout_.outputs = {{"p_ch", "Pa", "charge pressure", 1e5},
                      {"p_s", "Pa", "supply pressure", 1e5},
                      {"q_1", "kg/s", "flow through flap 1", 1.0},
-                     {"q_2", "kg/s", "flow through flap 2", 1.0}};
+                     {"q_2", "kg/s", "flow through flap 2", 1.0},
+                     {"mass", "kg", "air in both volumes", 1.0}};
   layout_.states = {{"p_ch", "Pa", "charge pressure", 1e5}, {"p_s", "Pa", "supply pressure", 1e5}};
 }
 
@@ -117,6 +118,7 @@ void ChargeAir::Output(const View& view, std::span<double> outputs) const {
   outputs[1] = p_s;
   outputs[2] = Flow(area_[0].Area(view.inputs[0]), p_s, p_ch);
   outputs[3] = Flow(area_[1].Area(view.inputs[1]), p_s, ambient_);
+  outputs[4] = (p_ch * volume_[0].volume_m3 + p_s * volume_[1].volume_m3) / (gas_.R * gas_.theta);
 }
 
 void ChargeAir::Derivative(const View& view, std::span<double> rates) const {

@@ -4,7 +4,7 @@
 //   dp_s/dt  = R theta/V_2 (q_c - q_2 - q_1 - l_2)    q_2 = flow through flap 2 from p_s to p_amb
 // Flows by mechanics/gas_flow.h, in both directions; l_i = leakage of volume i to ambient (0 nominally). Inputs u_1,
 // u_2 [%] flap positions, q_e, q_c [kg/s] taken by the engine and supplied by the compressor. Outputs p_ch, p_s [Pa],
-// q_1, q_2 [kg/s]. A volume without gas cannot be emptied further: its pressure stays at 0.
+// q_1, q_2 [kg/s], mass [kg] in both volumes. A volume without gas cannot be emptied further: its pressure stays at 0.
 #pragma once
 
 #include "model/registry.h"

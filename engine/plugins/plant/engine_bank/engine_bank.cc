@@ -2,22 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
+#include "plugins/named_sections.h"
 #include "plugins/plant/separating_flows.h"
 
 namespace dynoproof {
 namespace {
 
 using mechanics::Charge;
+using mechanics::ChargeAt;
+using mechanics::CyclesBegun;
 using mechanics::GasState;
 using mechanics::kCycle;
+using mechanics::Put;
 using std::numbers::pi;
 
 constexpr const char* kVolumeNames[] = {"between", "receiver", "exhaust", "middle"};
 constexpr const char* kChargerNames[] = {"low", "high"};
-constexpr const char* kValveNames[] = {"intake", "exhaust"};
 enum Volumes { kBetween, kReceiver, kExhaust, kMiddle, kVolumes };
 enum Inputs { kAngle, kSpeed, kEvoPressure, kFuel, kBlowOff };
 /// States behind those of volumes and cylinders, three each.
@@ -35,69 +37,13 @@ enum Rest {
   kFuelAtIvc
 };
 
-Charge ChargeAt(std::span<const double> states, int index) {
-  return {{states[3 * index], states[3 * index + 1]}, states[3 * index + 2]};
-}
-
-void Put(const Charge& charge, int index, std::span<double> states) {
-  states[3 * index] = charge.mass[0];
-  states[3 * index + 1] = charge.mass[1];
-  states[3 * index + 2] = charge.energy;
-}
-
-/// True when the section has exactly these names.
-template <class T, std::size_t N>
-bool CheckNames(Faults& faults, const char* section, const std::vector<std::pair<std::string, T>>& entries,
-                const char* const (&names)[N]) {
-  bool good = true;
-  for (const char* name : names) {
-    if (std::none_of(entries.begin(), entries.end(), [name](const auto& entry) { return entry.first == name; })) {
-      faults.At(section, fmt::format("\"{}\" is missing", name), fmt::format("write [plant.{}.{}]", section, name));
-      good = false;
-    }
-  }
-  for (const auto& entry : entries) {
-    if (std::none_of(std::begin(names), std::end(names), [&](const char* name) { return entry.first == name; })) {
-      faults.At(section, fmt::format("there is no \"{}\" here", entry.first));
-      good = false;
-    }
-  }
-  return good;
-}
-
-template <class T>
-const T& Named(const std::vector<std::pair<std::string, T>>& entries, std::string_view name) {
-  return std::find_if(entries.begin(), entries.end(), [name](const auto& entry) { return entry.first == name; })
-      ->second;
-}
-
 }  // namespace
-
-void EngineBank::Valves::Check(Faults& faults) const {
-  if (!(closes_deg > opens_deg && closes_deg < opens_deg + 720.0)) {
-    faults.At("closes_deg", "the valves do not close within a cycle", "opens_deg < closes_deg < opens_deg + 720");
-  }
-}
-
-mechanics::ValveTrain EngineBank::Valves::Train() const {
-  return {mechanics::WithinCycle(opens_deg * kPerDegree), (closes_deg - opens_deg) * kPerDegree,
-          count * discharge * pi * diameter_m * lift_m};
-}
 
 void EngineBank::Params::Check(Faults& faults) const {
   geometry.Check(faults);
   CheckNames(faults, "volume", volume, kVolumeNames);
   CheckNames(faults, "turbocharger", turbocharger, kChargerNames);
-  if (!CheckNames(faults, "valves", valves, kValveNames)) return;
-  // Compression and expansion lie between: what is trapped there is fired.
-  const mechanics::ValveTrain in = Named(valves, "intake").Train(), out = Named(valves, "exhaust").Train();
-  const double closed = in.closes(), duration = mechanics::WithinCycle(out.opens - closed);
-  const auto within = [&](double angle) { return mechanics::WithinCycle(angle - closed) < duration; };
-  if (!(closed < out.opens) || within(in.opens) || within(out.closes())) {
-    faults.At(
-        "valves", "there is no part of the cycle with all valves closed around 360 degrees",
-        "intake closes before 360 and exhaust opens behind it, in degrees from the dead centre with gas exchange");
-  }
+  CheckValves(faults, valves);
 }
 
 PlantTraits EngineBank::Traits() {
@@ -117,7 +63,7 @@ PluginInfo EngineBank::Info() {
 
 EngineBank::EngineBank(const Params& params)
     : p_(params),
-      gases_{.R = {params.R_air_J_per_kg_K, params.R_exhaust_J_per_kg_K}, .chi = {params.chi_air, params.chi_exhaust}},
+      gases_(params.gases.Pair()),
       ambient_(StateAt(gases_, params.ambient_pressure_Pa, params.ambient_theta_K)),
       psi_(params.laminar_ratio),
       crank_(params.geometry.crank()),
@@ -126,7 +72,8 @@ EngineBank::EngineBank(const Params& params)
       intake_(Named(params.valves, "intake").Train()),
       exhaust_(Named(params.valves, "exhaust").Train()),
       closed_begin_(intake_.closes()),
-      closed_duration_(mechanics::WithinCycle(exhaust_.opens - closed_begin_)) {
+      closed_duration_(mechanics::WithinCycle(exhaust_.opens - closed_begin_)),
+      begin_{exhaust_.opens, closed_begin_} {
   for (int i = 0; i < p_.cylinders; ++i) offset_.push_back(CrankAt(kCycle * i / p_.cylinders));
   for (int i = 0; i < kVolumes; ++i) {
     start_[i] = Named(params.volume, kVolumeNames[i]);
@@ -158,7 +105,8 @@ EngineBank::EngineBank(const Params& params)
                      {"air_flow", "kg/s", "air into the bank", 1.0},
                      {"blow_off_flow", "kg/s", "flow through the blow-off valve", 1.0},
                      {"mass_balance", "1", "mass that is unaccounted for, of all that came in", 1.0},
-                     {"energy_balance", "1", "energy that is unaccounted for, of all that came in", 1.0}};
+                     {"energy_balance", "1", "energy that is unaccounted for, of all that came in", 1.0},
+                     {"exhaust_air", "1", "share of fresh air before the turbines", 1.0}};
   const auto add = [this](const std::string& name, double mass, double energy) {
     layout_.states.push_back({name + ".air", "kg", "fresh air", mass});
     layout_.states.push_back({name + ".exhaust", "kg", "exhaust gas", mass});
@@ -183,12 +131,6 @@ EngineBank::EngineBank(const Params& params)
 
 EngineBank::Crank EngineBank::CrankAt(double angle) {
   return {mechanics::WithinCycle(angle), std::sin(angle), std::cos(angle)};
-}
-
-int EngineBank::CyclesBegun(double angle, int mode) const {
-  const double begin = mode == 0 ? exhaust_.opens : closed_begin_;
-  // A turn that cannot be counted changes nothing; the run breaks by itself.
-  return std::abs(angle) < 1e9 ? static_cast<int>(std::floor((angle - begin) / kCycle)) : 0;
 }
 
 bool EngineBank::Closed(const Crank& crank) const {
@@ -231,7 +173,7 @@ void EngineBank::Start(std::span<const double> inputs, std::span<double> states,
     const Crank crank = CrankOf(first, i);
     const double volume = VolumeAt(crank.phi);
     for (int mode = 0; mode < 2; ++mode) {
-      modes[mode * p_.cylinders + i] = CyclesBegun(inputs[kAngle] + offset_[i].phi, mode);
+      modes[mode * p_.cylinders + i] = CyclesBegun(inputs[kAngle] + offset_[i].phi, begin_[mode]);
     }
     Charge charge = fresh;
     if (Closed(crank)) {  // compressed without losses since its intake closed
@@ -334,7 +276,7 @@ void EngineBank::OnEvent(const View& view, int, std::span<double> states, std::s
   for (int i = 0; i < p_.cylinders; ++i) {
     const double angle = view.inputs[kAngle] + offset_[i].phi;
     const auto begun = [&](int mode) {
-      const int count = CyclesBegun(angle, mode), was = std::exchange(modes[mode * p_.cylinders + i], count);
+      const int count = CyclesBegun(angle, begin_[mode]), was = std::exchange(modes[mode * p_.cylinders + i], count);
       return count > was;
     };
     const bool opened = begun(0), closed = begun(1);
@@ -350,7 +292,7 @@ void EngineBank::OnEvent(const View& view, int, std::span<double> states, std::s
       rest[kMassIn] += fuel;
       rest[kEnergyIn] += fired.energy - before.energy;
     }
-    if (closed) {
+    if (closed && (i == 0 || p_.trapped_of == "each")) {
       const GasState gas = StateOf(gases_, before, volume);
       const double back = volume / VolumeAt(closed_begin_);
       rest[kAirAtIvc] = before.mass[0];
@@ -369,6 +311,7 @@ void EngineBank::Output(const View& view, std::span<double> outputs) const {
   outputs[kChargeTheta] = receiver.theta;
   outputs[kExhaustPressure] = pipe.pressure;
   outputs[kExhaustTheta] = pipe.theta;
+  outputs[kExhaustAir] = pipe.portion[0];
   for (int i = 0; i < 2; ++i) {
     outputs[kSpeedLow + i] = mechanics::RotorSpeed(rest[kRotors + i], charger_[i].inertia_kg_m2);
   }

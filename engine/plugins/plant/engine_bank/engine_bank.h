@@ -4,7 +4,7 @@
 //   ambient > C_lp > cooler > [between] > C_hp > cooler > [receiver] > cylinders > [exhaust] > T_hp > [middle] > T_lp
 //   > ambient, [receiver] > blow-off valve > ambient
 //
-// States: masses of air and exhaust gas and internal energy of each volume and cylinder (mechanics/gas_exchange.h),
+// States: masses of air and exhaust gas and internal energy of each volume and cylinder (physics/gas_exchange.h),
 // kinetic energy of both rotors (power balance), what crossed the border, what was trapped when an intake last closed.
 // Combustion is not modelled: as cylinder i passes the opening of its exhaust valves it takes the pressure `p_evo` that
 // was measured (Fig. 6.3), its air and the fuel become exhaust gas. That, and what is trapped, is noticed when an
@@ -17,30 +17,15 @@
 #pragma once
 
 #include "model/registry.h"
+#include "plugins/physics/cylinder_geometry.h"
+#include "plugins/physics/gas_exchange.h"
 #include "plugins/physics/gas_flow.h"
-#include "plugins/plant/engine_bank/gas_exchange.h"
-#include "plugins/plant/engine_bank/geometry.h"
 #include "plugins/plant/engine_bank/turbocharger.h"
 
 namespace dynoproof {
 
 class EngineBank : public Component {
  public:
-  struct Valves {
-    int count = 2;
-    double diameter_m = 0.0, lift_m = 0.0, discharge = 0.65, opens_deg = 0.0, closes_deg = 0.0;
-    void Visit(auto& v) {
-      v.Optional("count", count, Between(1, 4), "valves of a cylinder");
-      v.Required("diameter_m", diameter_m, Positive(), "diameter of the discs");
-      v.Required("lift_m", lift_m, Positive(), "largest lift");
-      v.Optional("discharge", discharge, Between(0.0, 1.0), "discharge coefficient of the curtain area");
-      v.Required("opens_deg", opens_deg, Between(-360.0, 720.0, "deg"),
-                 "crank angle; 0: top dead centre, gas exchange");
-      v.Required("closes_deg", closes_deg, Between(-360.0, 1080.0, "deg"), "crank angle");
-    }
-    void Check(Faults& faults) const;
-    mechanics::ValveTrain Train() const;
-  };
   struct Volume {
     double volume_m3 = 0.0, start_pressure_Pa = 101300.0, start_theta_K = 300.0;
     void Visit(auto& v) {
@@ -69,12 +54,13 @@ class EngineBank : public Component {
   struct Params {
     int cylinders = 10, banks = 2;
     CylinderGeometry geometry;
-    std::vector<std::pair<std::string, Valves>> valves;
+    std::vector<std::pair<std::string, ValveParams>> valves;
     std::vector<std::pair<std::string, Volume>> volume;
     std::vector<std::pair<std::string, Turbocharger>> turbocharger;
     double blow_off_area_m2 = 0.0, wall_theta_K = 450.0, wall_factor = 1.0, coolant_theta_K = 315.0,
-           ambient_pressure_Pa = 101300.0, ambient_theta_K = 298.0, R_air_J_per_kg_K = 287.05,
-           R_exhaust_J_per_kg_K = 290.0, chi_air = 1.39, chi_exhaust = 1.33, laminar_ratio = 0.01;
+           ambient_pressure_Pa = 101300.0, ambient_theta_K = 298.0, laminar_ratio = 0.01;
+    std::string trapped_of = "each";
+    GasParams gases;
     void Visit(auto& v) {
       v.Optional("cylinders", cylinders, Between(1, 12), "of the bank, evenly spaced");
       v.Optional("banks", banks, Between(1, 4), "alike: `torque` counts them all, one is carried");
@@ -82,16 +68,15 @@ class EngineBank : public Component {
       v.Required("valves", valves, Any(), "[plant.valves.intake] and [plant.valves.exhaust]");
       v.Required("volume", volume, Any(), "[plant.volume.between], .receiver, .exhaust and .middle");
       v.Required("turbocharger", turbocharger, Any(), "[plant.turbocharger.low] and .high pressure");
+      v.Optional("trapped_of", trapped_of, std::vector<std::string>{"each", "first"},
+                 "cylinder whose charge is told: each as its intake closes, or the first, once a cycle");
       v.Optional("blow_off_area_m2", blow_off_area_m2, NonNegative(), "effective area of the open blow-off valve");
       v.Optional("wall_theta_K", wall_theta_K, Positive(), "temperature of the cylinders' walls");
       v.Optional("wall_factor", wall_factor, NonNegative("1"), "factor on the heat transfer coefficient; 0: none");
       v.Optional("coolant_theta_K", coolant_theta_K, Positive(), "temperature of the coolers' water");
       v.Optional("ambient_pressure_Pa", ambient_pressure_Pa, Positive(), "pressure outside");
       v.Optional("ambient_theta_K", ambient_theta_K, Positive(), "temperature outside");
-      v.Optional("R_air_J_per_kg_K", R_air_J_per_kg_K, Positive(), "R_1, fresh air");
-      v.Optional("R_exhaust_J_per_kg_K", R_exhaust_J_per_kg_K, Positive(), "R_2, exhaust gas");
-      v.Optional("chi_air", chi_air, Between(1.01, 1.67), "chi_1, fresh air");
-      v.Optional("chi_exhaust", chi_exhaust, Between(1.01, 1.67), "chi_2, exhaust gas");
+      gases.Visit(v);
       v.Optional("laminar_ratio", laminar_ratio, Between(1e-6, 0.5),
                  "flow is laminar for pressure ratios below 1 + this");
     }
@@ -113,7 +98,8 @@ class EngineBank : public Component {
     kAirFlow,
     kBlowOffFlow,
     kMassBalance,
-    kEnergyBalance
+    kEnergyBalance,
+    kExhaustAir
   };
   static PluginInfo Info();
   static PlantTraits Traits();
@@ -138,8 +124,6 @@ class EngineBank : public Component {
     return {phi < mechanics::kCycle ? phi : phi - mechanics::kCycle, first.sine * by.cosine + first.cosine * by.sine,
             first.cosine * by.cosine - first.sine * by.sine};
   }
-  /// Cycles that a cylinder at that angle has begun: mode 0 with opening exhaust valves, 1 with closed intake valves.
-  int CyclesBegun(double angle, int mode) const;
   bool Closed(const Crank& crank) const;
   double VolumeAt(double angle) const;
   mechanics::GasState VolumeState(std::span<const double> states, int volume) const;
@@ -155,6 +139,7 @@ class EngineBank : public Component {
   Volume start_[4];
   mechanics::ValveTrain intake_, exhaust_;
   double closed_begin_, closed_duration_;  // part of the cycle with all valves closed
+  double begin_[2];                        // where mode 0 counts a cycle, opening exhaust, and mode 1, closed intake
   std::vector<Crank> offset_;              // of the cylinders to the first
   Turbocharger charger_[2];
   mechanics::Compressor compressor_[2];

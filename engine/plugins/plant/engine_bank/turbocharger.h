@@ -2,7 +2,7 @@
 // the compressor has dimensionless lines that fit most radial machines, the turbine is a nozzle.
 #pragma once
 
-#include "plugins/plant/engine_bank/gas_exchange.h"
+#include "plugins/physics/gas_exchange.h"
 
 namespace dynoproof::mechanics {
 

@@ -1,7 +1,6 @@
 #include "plugins/plant/fired_cylinder/fired_cylinder.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace dynoproof {
 
@@ -46,13 +45,12 @@ void FiredCylinder::Output(const View& view, std::span<double> outputs) const {
   const mechanics::FiredCycle::Result cycle =
       cycle_.Run(view.inputs[2], view.inputs[1], volume_closed_, p_.geometry.Volume(at * kPerDegree), volume_open_,
                  fuel < 0.0 ? 0.0 : fuel);
-  const double ratio = 10.0 * p_.air_need * fuel <= air ? 10.0 : air / (p_.air_need * fuel);
   outputs[0] = cycle.pressure_end;
   outputs[1] = cycle.work - p_.crankcase_pressure_Pa * (volume_open_ - volume_closed_);
   outputs[2] = cycle.pressure_fired;
-  outputs[3] = ratio;
-  outputs[4] = std::exp((cycle.theta_unburnt - p_.knock_theta_K) / p_.knock_scale_K);
-  outputs[5] = std::exp(-p_.nox_per_air_ratio * (ratio - p_.nox_air_ratio) - p_.nox_per_deg * retard);
+  outputs[3] = p_.indices.AirRatio(air, fuel);
+  outputs[4] = p_.indices.Knock(cycle.theta_unburnt);
+  outputs[5] = p_.indices.Nox(outputs[3], retard);
 }
 
 }  // namespace dynoproof

@@ -61,6 +61,9 @@ void FuelGas::Params::Check(Faults& faults) const {
   only("valve", valve, "v_g");
   only("reservoir", reservoir, "res");
   only("volume", volume, "V");
+  if (carried == "stepped" && valve.size() == 1 && valve[0].second.friction_N > 0.0) {
+    faults.At("carried", "steps do not find where the friction of the valve sticks", "carried = \"exactly\"");
+  }
 }
 
 PluginInfo FuelGas::Info() {
@@ -99,7 +102,8 @@ FuelGas::FuelGas(const Params& params)
       preload_(params.preload_N),
       stiffness_(params.stiffness_N_per_m),
       damping_(params.damping_Ns_per_m),
-      start_p_mem_(params.start_p_mem_Pa) {
+      start_p_mem_(params.start_p_mem_Pa),
+      stepped_(params.carried == "stepped") {
   const Valve& valve = params.valve[0].second;
   const Reservoir& reservoir = params.reservoir[0].second;
   const Volume& volume = params.volume[0].second;
@@ -120,7 +124,8 @@ FuelGas::FuelGas(const Params& params)
                     {"q_e", "kg/s", "gas that the engine takes", 0.01}};
   layout_.outputs = {{"p_g", "Pa", "gas pressure", 1e5},
                      {"q_g", "kg/s", "flow through the valve", 0.01},
-                     {"x", "m", "position of membrane and valve", 1e-3}};
+                     {"x", "m", "position of membrane and valve", 1e-3},
+                     {"mass", "kg", "gas in the pipe", 0.01}};
   layout_.states = {{"x", "m", "position of membrane and valve", 1e-3},
                     {"v", "m/s", "their speed", 1e-2},
                     {"p_g", "Pa", "gas pressure", 1e5}};
@@ -158,6 +163,7 @@ void FuelGas::Output(const View& view, std::span<double> outputs) const {
   outputs[0] = view.states[kPressure];
   outputs[1] = Flow(view.states[kPosition]);
   outputs[2] = view.states[kPosition];
+  outputs[3] = view.states[kPressure] / pressure_rate_;
 }
 
 double FuelGas::Force(const View& view) const {
@@ -206,17 +212,19 @@ void FuelGas::BuildLinearPart() {
   if (leak_area_ > 0.0) B(kPressure, 4) = -pressure_rate_;
   if (friction_ != nullptr) B(kSpeed, 2 + laws) = -1.0 / mass_;
 
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(3 + 2 * channels, 3);
-  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(3 + 2 * channels, 2 + channels);
+  const int outputs = static_cast<int>(layout_.outputs.size());
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(outputs + 2 * channels, 3);
+  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(outputs + 2 * channels, 2 + channels);
   C(0, kPressure) = 1.0;
   C(1, kPosition) = flow_slope_;
   D(1, 3) = 1.0;
   C(2, kPosition) = 1.0;
-  C(3 + 2, kPosition) = 1.0;                        // twist of the flow: x
-  if (leak_area_ > 0.0) C(3 + 4, kPressure) = 1.0;  // of the leak: p_g
-  if (friction_ != nullptr) {                       // of the friction: x, and its rate
-    C(3 + 2 * laws, kPosition) = 1.0;
-    C(3 + 2 * laws + 1, kSpeed) = 1.0;
+  C(3, kPressure) = 1.0 / pressure_rate_;
+  C(outputs + 2, kPosition) = 1.0;                        // twist of the flow: x
+  if (leak_area_ > 0.0) C(outputs + 4, kPressure) = 1.0;  // of the leak: p_g
+  if (friction_ != nullptr) {                             // of the friction: x, and its rate
+    C(outputs + 2 * laws, kPosition) = 1.0;
+    C(outputs + 2 * laws + 1, kSpeed) = 1.0;
   }
   // Scaled so that squares are energies of spring and mass, and a pressure weighs what its force does to the spring.
   const Eigen::Vector3d scale(std::sqrt(stiffness_), std::sqrt(mass_), membrane_area_ / std::sqrt(stiffness_));
@@ -226,7 +234,7 @@ void FuelGas::BuildLinearPart() {
   linear_part_.system.C = C * inverse.asDiagonal();
   linear_part_.system.D = D;
   linear_part_.system.P = Eigen::MatrixXd(0, 3);
-  linear_part_.system.E = Eigen::MatrixXd(3 + 2 * channels, 0);
+  linear_part_.system.E = Eigen::MatrixXd(outputs + 2 * channels, 0);
   linear_part_.x_from_state = scale.asDiagonal();
   linear_part_.state_from_x = inverse.asDiagonal();
   linear_part_.p_from_state = Eigen::MatrixXd(0, 3);

@@ -5,7 +5,7 @@
 //   hold dp_g/dt = R theta/V (q_g - q_e - leak) q_g = max(0, A_v(x)) p/sqrt(2 R theta)                    choked
 //   throughout; linear: = max(0, k_q x + d_q) p = p_res - droop q_g                                     q_g never flows
 //   back
-// Inputs p_mem [Pa], q_e [kg/s] taken by the engine; outputs p_g [Pa], q_g [kg/s], x [m]. It starts at rest in the
+// Inputs p_mem [Pa], q_e [kg/s] taken by the engine; outputs p_g [Pa], q_g [kg/s], x [m], mass [kg]. It starts at rest in the
 // equilibrium of the first inputs.
 //
 // The plant is linear but for the flow's kink (and leak, droop, friction): `realtime` carries it exactly, with preload,
@@ -53,6 +53,7 @@ class FuelGas : public Component {
   struct Params {
     double R_J_per_kg_K = 518.0, theta_K = 300.0, ambient_pressure_Pa = 101300.0, mass_kg = 0.0, membrane_area_m2 = 0.0,
            preload_N = 0.0, stiffness_N_per_m = 0.0, damping_Ns_per_m = 0.0, start_p_mem_Pa = 0.0;
+    std::string carried = "exactly";
     std::vector<std::pair<std::string, Valve>> valve;
     std::vector<std::pair<std::string, Reservoir>> reservoir;
     std::vector<std::pair<std::string, Volume>> volume;
@@ -68,6 +69,9 @@ class FuelGas : public Component {
       v.Optional("start_p_mem_Pa", start_p_mem_Pa, NonNegative(),
                  "command whose equilibrium it starts in, where a controller gives none before its first tick; 0: the "
                  "first one");
+      v.Optional("carried", carried, std::vector<std::string>{"exactly", "stepped"},
+                 "how `realtime` carries it; stepped: along with an engine that takes gas in pulses, so that what the "
+                 "pipe loses the engine gains to the last digit");
       v.Required("valve", valve, Any(), "[plant.valve.v_g]: the valve that the membrane moves");
       v.Required("reservoir", reservoir, Any(), "[plant.reservoir.res]: what supplies the gas");
       v.Required("volume", volume, Any(), "[plant.volume.V]: the pipe before the engine");
@@ -83,7 +87,7 @@ class FuelGas : public Component {
   void Derivative(const View& view, std::span<double> rates) const override;
   void Guards(const View& view, std::span<double> values) const override;
   void OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const override;
-  const LinearPart* linear_part() const override { return &linear_part_; }
+  const LinearPart* linear_part() const override { return stepped_ ? nullptr : &linear_part_; }
 
  private:
   /// q_g at a position of the valve; never negative.
@@ -101,6 +105,7 @@ class FuelGas : public Component {
   double droop_;                           // share of p_res that 1 kg/s takes [s/kg]
   double leak_area_, pressure_rate_;       // pressure_rate_: R theta/V [Pa/kg]
   std::vector<double> positions_, flows_;  // table valve: flow at full pressure
+  bool stepped_;                           // no linear part is offered
   std::unique_ptr<Law> friction_;          // null without
   std::vector<std::unique_ptr<Law>> channel_laws_;
   LinearPart linear_part_;

@@ -15,8 +15,8 @@ PluginInfo ResistorLoad::Info() {
   return {"plant",
           "resistor_load",
           "resistors at the terminals of a generator",
-          "P = U^2 G, T = P/(eta w)",
-          "thesis Sec. 6.4.3: a resistor is connected in parallel",
+          "P = U^2 (G + r (G - y)), y' = (G - y)/tau, T = P/(eta w)",
+          "thesis Sec. 6.4.3: a resistor is connected in parallel; its temperature shows",
           {}};
 }
 
@@ -25,10 +25,20 @@ ResistorLoad::ResistorLoad(const Params& params) : p_(params) {
                     {"conductance", "1/Ohm", "conductance G of all resistors", 0.01},
                     {"speed", "rad/s", "speed w of the shaft", 100.0}};
   layout_.outputs = {{"power", "W", "electrical power", 1e6}, {"torque", "N m", "torque on the shaft", 1e4}};
+  if (p_.cold_share > 0.0) layout_.states = {{"warm", "1/Ohm", "conductance of the warm resistors", 0.01}};
+}
+
+void ResistorLoad::Start(std::span<const double> inputs, std::span<double> states, std::span<int>) const {
+  if (p_.cold_share > 0.0) states[0] = inputs[1];
+}
+
+void ResistorLoad::Derivative(const View& view, std::span<double> rates) const {
+  if (p_.cold_share > 0.0) rates[0] = (view.inputs[1] - view.states[0]) / p_.warming_s;
 }
 
 void ResistorLoad::Output(const View& view, std::span<double> outputs) const {
-  const double power = view.inputs[0] * view.inputs[0] * view.inputs[1], speed = view.inputs[2];
+  const double cold = p_.cold_share > 0.0 ? p_.cold_share * (view.inputs[1] - view.states[0]) : 0.0;
+  const double power = view.inputs[0] * view.inputs[0] * (view.inputs[1] + cold), speed = view.inputs[2];
   const double least = p_.least_speed_rad_per_s, share = std::abs(speed) < least ? speed / least : 1.0;
   outputs[0] = power * share * share;
   outputs[1] =

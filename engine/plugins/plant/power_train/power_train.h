@@ -14,20 +14,27 @@
 namespace dynoproof {
 
 /// Consumer: resistors at the generator's terminals.
-///   P = U^2 G     T = P/(eta w), below w_0 falling to 0 with w     (power factor 1; their temperature is not modelled)
+///   P = U^2 (G + r (G - y))     T = P/(eta w), below w_0 falling to 0 with w     y' = (G - y)/tau     (power factor 1)
+/// What is connected is cold and conducts 1 + r times as much; y is what is warm already, all of it at the start. With
+/// r = 0 it has no state.
 class ResistorLoad : public Component {
  public:
   struct Params {
-    double efficiency = 1.0, least_speed_rad_per_s = 1.0;
+    double efficiency = 1.0, least_speed_rad_per_s = 1.0, cold_share = 0.0, warming_s = 1.0;
     void Visit(auto& v) {
       v.Optional("efficiency", efficiency, Between(0.1, 1.0), "of the generator");
       v.Optional("least_speed_rad_per_s", least_speed_rad_per_s, Positive(), "speed w_0 that carries the full voltage");
+      v.Optional("cold_share", cold_share, NonNegative("1"),
+                 "r, by which a cold resistor conducts more than a warm one");
+      v.Optional("warming_s", warming_s, Positive(), "tau, in which it gets warm");
     }
   };
   static PluginInfo Info();
   explicit ResistorLoad(const Params& params);
   bool FeedsThrough(int, int) const override { return true; }
+  void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;
   void Output(const View& view, std::span<double> outputs) const override;
+  void Derivative(const View& view, std::span<double> rates) const override;
 
  private:
   Params p_;

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "plugins/physics/gas_flow.h"
 
@@ -38,6 +39,16 @@ struct Charge {
     return *this;
   }
 };
+
+/// Where a plant keeps charges among its states: three each, one behind the other.
+inline Charge ChargeAt(std::span<const double> states, int index) {
+  return {{states[3 * index], states[3 * index + 1]}, states[3 * index + 2]};
+}
+inline void Put(const Charge& charge, int index, std::span<double> states) {
+  states[3 * index] = charge.mass[0];
+  states[3 * index + 1] = charge.mass[1];
+  states[3 * index + 2] = charge.energy;
+}
 
 /// The gas of a volume as its neighbours see it.
 struct GasState {
@@ -68,6 +79,11 @@ Charge Throttle(const LaminarFlowFunction& psi, double area, const GasState& a, 
 inline constexpr double kCycle = 4.0 * std::numbers::pi;  // of four strokes [rad]
 /// An angle [rad] within [0, 4 pi).
 inline double WithinCycle(double phi) { return phi - kCycle * std::floor(phi / kCycle); }
+/// Cycles that have begun by an angle, each at `begin` within it. A turn that cannot be counted changes nothing; the
+/// run breaks by itself.
+inline int CyclesBegun(double angle, double begin) {
+  return std::abs(angle) < 1e9 ? static_cast<int>(std::floor((angle - begin) / kCycle)) : 0;
+}
 
 /// Effective area of all intake or exhaust valves of a cylinder over its crank angle [rad], 0 at the top dead centre
 /// with gas exchange. The lift is that of a cam with continuous slope: lift_max sin^2; the area is the curtain under

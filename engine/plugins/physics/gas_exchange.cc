@@ -1,4 +1,4 @@
-#include "plugins/plant/engine_bank/gas_exchange.h"
+#include "plugins/physics/gas_exchange.h"
 
 #include <cmath>
 
