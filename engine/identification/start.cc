@@ -18,6 +18,8 @@ namespace {
 /// Of a start's prior spread: far above round-off, and an impact more or less is not to be met.
 constexpr double kStep = 1e-3;
 
+constexpr Eigen::Index kFirst = 3;  // samples: a model that is a little off has hardly gone astray by then
+
 /// The weight of each row: one over the spread of its channel.
 Eigen::VectorXd WeightsOf(const EstimationProblem& problem) {
   Eigen::VectorXd weights(problem.measured().size());
@@ -32,10 +34,28 @@ double Read(const Plan& plan, std::size_t record, const std::string& path) {
 
 }  // namespace
 
-std::string MotionAtStart(const EstimationProblem& problem) {
-  // A model that is a little off has hardly gone astray after three samples; what noise makes of them is known.
-  constexpr Eigen::Index kFirst = 3;
+namespace {
+
+/// Whether a run is off from the beginning, and not only after a while, as a model that is a little off would be: by each of the first
+/// three samples or, where noise hides that, by two averages over the first ones, of which the second has not grown.
+bool IsOffAtOnce(const Eigen::VectorXd& errors, double spread, double noise) {
   constexpr double kShare = 0.01, kSigmas = 6.0;  // of the spread; of the noise
+  constexpr double kGrown = 0.25, kApart = 3.0;   // of the first average; of the noise of their difference
+  if (errors.head(kFirst).cwiseAbs().minCoeff() > std::max(kShare * spread, kSigmas * noise)) return true;
+  for (const Eigen::Index n : {4, 12}) {
+    if (errors.size() < 2 * n) break;
+    const double first = errors.head(n).mean(), second = errors.segment(n, n).mean(), count = static_cast<double>(n);
+    const double least = std::max(kShare * spread, kSigmas * noise / std::sqrt(count));
+    if (first * second > 0.0 && std::min(std::abs(first), std::abs(second)) > least &&
+        std::abs(second - first) < kApart * noise * std::sqrt(2.0 / count) + kGrown * std::abs(first))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string MotionAtStart(const EstimationProblem& problem) {
   const Result<Eigen::VectorXd> predicted = problem.PredictPlan(problem.plan());
   if (!predicted.ok()) return "";
   std::string text;
@@ -46,8 +66,7 @@ std::string MotionAtStart(const EstimationProblem& problem) {
     const std::vector<double>& time = *problem.records().front().outputs.at(c.name).time;
     if (time.front() > static_cast<double>(kFirst) * (time[1] - time[0])) continue;
     const auto rows = problem.measured().segment(c.begin, c.count);
-    const double most = std::max(kShare * c.spread, kSigmas * HighFrequencyFloor(rows));
-    moves = moves || (rows - predicted->segment(c.begin, c.count)).head(kFirst).cwiseAbs().minCoeff() > most;
+    moves = moves || IsOffAtOnce(rows - predicted->segment(c.begin, c.count), c.spread, HighFrequencyFloor(rows));
     text += fmt::format("{}{} at {:.4g} {} and not {:.4g}", text.empty() ? "" : ", ", c.name, rows[0], c.unit,
                         (*predicted)[c.begin]);
   }

@@ -41,17 +41,25 @@ class Histories(unittest.TestCase):
         (self.folder / ".gitignore").write_text("out/\n")
 
     def history(self, planted, at):
-        """Commits that change nothing that a run shows, and one, the `at`-th, that does."""
-        git(self.folder, "checkout", "-q", "--orphan", f"h{at}-{random.random()}")
-        hashes = []
+        """Commits that change nothing that a run shows, and one, the `at`-th, that does; all by one call of git."""
+        branch = f"h{at}-{random.random()}"
+        stream = b""
         for k in range(COMMITS + 1):
             (self.folder / "notes.txt").write_text(f"{k}\n")
             if k == at:
                 planted()
-            git(self.folder, "add", "-A")
-            git(self.folder, "commit", "-q", "-m", f"Commit {k}")
-            hashes.append(git(self.folder, "rev-parse", "HEAD"))
-        return hashes
+            stream += (f"commit refs/heads/{branch}\nmark :{k + 1}\ncommitter test <test@example.org> {1700000000 + k} +0000\n"
+                       f"data <<end\nCommit {k}\nend\n").encode()
+            if k > 0:
+                stream += f"from :{k}\n".encode()
+            for file in self.folder.iterdir():
+                if file.is_file() and file.name not in ("b.json", "count"):
+                    content = file.read_bytes()
+                    mode = "100755" if os.access(file, os.X_OK) else "100644"
+                    stream += f"M {mode} inline {file.name}\ndata {len(content)}\n".encode() + content + b"\n"
+        subprocess.run([*GIT, "fast-import", "--quiet"], input=stream, cwd=self.folder, check=True)
+        git(self.folder, "checkout", "-q", "-f", branch)
+        return git(self.folder, "rev-list", "--reverse", branch).split()
 
     def bisect(self, *words, code=0):
         done = subprocess.run([PROGRAM, "bisect", "line.toml", "--json", "b.json", *words], cwd=self.folder, capture_output=True, text=True)

@@ -4,13 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "base/random.h"
 #include "experiment/checks.h"
 #include "identification/objective.h"
 #include "model/registry.h"
 #include "scenario/load.h"
+#include "score/series.h"
 #include "tests/identification/three_masses.h"
 #include "tests/support/temp_dir.h"
 
@@ -55,6 +58,31 @@ class Start : public testing::Test {
   Registry registry_;
   std::optional<Plan> plan_;
 };
+
+/// The record with noise on its speed, and turning a little faster throughout.
+MappedRecord Noisier(MappedRecord record, double sigma, double faster, std::uint64_t seed) {
+  std::vector<double> speed = *record.outputs.at("omega_1").values;
+  for (std::size_t i = 0; i < speed.size(); ++i) speed[i] += faster + sigma * RandomNormal(seed, 0, i);
+  record.outputs.at("omega_1").values = std::make_shared<const std::vector<double>>(std::move(speed));
+  return record;
+}
+
+TEST_F(Start, InMotionIsSeenBelowTheNoiseOfASample) {
+  const MappedRecord rest = Cut(0, 600);
+  const double sigma = 0.02 * score::StandardDeviation(*rest.outputs.at("omega_1").values);
+  Diagnostics diagnostics;
+  const std::optional<Plan> off =
+      LoadPlan(folder_.Write("line.toml", kThreeMasses).string(), {"plant.inertia.I3=0.55"}, diagnostics);
+  ASSERT_TRUE(off);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto motion = [&](const Plan& plan, double faster) {
+      return MotionAtStart({plan, {Noisier(rest, sigma, faster, seed)}, registry_});
+    };
+    EXPECT_EQ(motion(*plan_, 0.0), "") << seed;
+    EXPECT_NE(motion(*plan_, 2.5 * sigma), "") << seed;
+    EXPECT_EQ(motion(*off, 0.0), "") << "a model that is a little off goes astray later, " << seed;
+  }
+}
 
 TEST_F(Start, IsFoundForEachRecord) {
   const EstimationProblem problem(*plan_, {Cut(200, 500), Cut(350, 600), Cut(0, 100)}, registry_);
