@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/prepare.h"
-#include "sim/simulate.h"
-#include "sim/solver.h"
-#include "tests/support/registry.h"
+#include "tests/thesis/shaft_torque.h"
 
 namespace dynoproof {
 namespace {
@@ -15,20 +12,7 @@ namespace {
 /// The shaft torque of suppression/adaptive_machine with these changes.
 std::vector<double> ShaftTorque(std::vector<std::string> changes) {
   changes.insert(changes.end(), {"check=[]", "run.duration_s=0.6"});
-  Diagnostics diagnostics;
-  const auto prepared = Prepare("scenarios/suppression/adaptive_machine.toml", {changes, "", nullptr},
-                                testing::FullRegistry(), diagnostics);
-  if (prepared == nullptr) {
-    ADD_FAILURE() << diagnostics.Format();
-    return {};
-  }
-  const auto solver = MakeSolver("realtime", *prepared->rig);
-  const auto samples = Simulate(*prepared->rig, **solver);
-  if (!samples.ok()) {
-    ADD_FAILURE() << samples.failure().ToString();
-    return {};
-  }
-  return samples->outputs[static_cast<std::size_t>(FindOutput(*prepared->rig, "T_shaft"))];
+  return ShaftTorqueOf("suppression/adaptive_machine", changes);
 }
 
 /// Inverter and current sensor in the loop; `sensor`: the stages of the sensor.

@@ -10,11 +10,8 @@
 #include <complex>
 #include <numbers>
 
-#include "experiment/prepare.h"
 #include "plugins/plant/induction_machine/rating.h"
-#include "sim/simulate.h"
-#include "sim/solver.h"
-#include "tests/support/registry.h"
+#include "tests/thesis/shaft_torque.h"
 #include "thesis/machine_subject.h"
 
 namespace dynoproof {
@@ -46,20 +43,7 @@ std::vector<double> ShaftTorque(double bandwidth_Hz, bool bus) {
         "\"output.omega_1\" }");
     changes.push_back("input.T_asked={ from = \"control.core.T_ref\", to = \"control.machine.torque\" }");
   }
-  Diagnostics diagnostics;
-  const auto prepared = Prepare("scenarios/suppression/unsuppressed_machine.toml", {changes, "", nullptr},
-                                testing::FullRegistry(), diagnostics);
-  if (prepared == nullptr) {
-    ADD_FAILURE() << diagnostics.Format();
-    return {};
-  }
-  const auto solver = MakeSolver("realtime", *prepared->rig);
-  const auto samples = Simulate(*prepared->rig, **solver);
-  if (!samples.ok()) {
-    ADD_FAILURE() << samples.failure().ToString();
-    return {};
-  }
-  return samples->outputs[static_cast<std::size_t>(FindOutput(*prepared->rig, "T_shaft"))];
+  return ShaftTorqueOf("suppression/unsuppressed_machine", changes);
 }
 
 /// Component at a frequency in the 0.1 s from a time on.
