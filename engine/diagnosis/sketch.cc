@@ -89,13 +89,13 @@ Screen::Screen(const Contestant& null, const estimation::Predictor& predictor, s
       estimate_(null.levels[level]),
       inverse_(estimation::CurvatureOf(estimate_, null.hypothesis)) {}
 
-Screen::Columns Screen::ColumnsBeside(const Trial& candidate) const {
+MatrixXd Screen::InverseBeside(const Trial& candidate) const {
   const Index own = NumberChanged(candidate, null_.hypothesis);
-  if (own < 0 || estimate_.jacobian.cols() == 0) return {estimate_.jacobian, inverse_};
-  MatrixXd others = estimate_.jacobian;
-  others.col(own).setZero();
-  MatrixXd inverse = dense::PseudoInverse(estimation::HessianOf(others, null_.hypothesis));
-  return {std::move(others), std::move(inverse)};
+  if (own < 0 || estimate_.jacobian.cols() == 0) return inverse_;
+  MatrixXd curvature = estimation::HessianOf(estimate_.jacobian, null_.hypothesis);
+  curvature.row(own).setZero();
+  curvature.col(own).setZero();
+  return dense::PseudoInverse(curvature);
 }
 
 Signature Screen::Of(const Trial& candidate, const VectorXd& q) const {
@@ -111,9 +111,9 @@ Signature Screen::Of(const Trial& candidate, const VectorXd& q) const {
     signature.moves = std::max(signature.moves, rms / estimate_.scales[c].noise_alone);
   }
   WeighAs(estimate_, predictor_.data(), signature.change);
-  const auto [J, inverse] = ColumnsBeside(candidate);
+  const MatrixXd& J = estimate_.jacobian;
   signature.rest = signature.change;
-  if (J.cols() > 0) signature.rest -= J * (inverse * (J.transpose() * signature.change));
+  if (J.cols() > 0) signature.rest -= J * (InverseBeside(candidate) * (J.transpose() * signature.change));
   const double power = signature.rest.dot(signature.change), along = signature.rest.dot(estimate_.weighted);
   if (!(power > 0.0)) return signature;
   signature.size = along / power;
@@ -127,9 +127,9 @@ double Screen::Removed(const Trial& candidate, const VectorXd& q, const Signatur
   if (!(left > 0.0) || !signature.ran) return 0.0;
   const VectorXd there = estimate_.weighted - signature.change;
   double removed = 1.0 - there.squaredNorm() / left;
-  const auto [J, inverse] = ColumnsBeside(candidate);
+  const MatrixXd& J = estimate_.jacobian;
   if (J.cols() == 0) return std::max(0.0, removed);
-  VectorXd follows = estimate_.q - inverse * (J.transpose() * there);
+  VectorXd follows = estimate_.q - InverseBeside(candidate) * (J.transpose() * there);
   follows = follows.cwiseMax(null_.hypothesis.lower()).cwiseMin(null_.hypothesis.upper());
   VectorXd moved = StartFrom(candidate.hypothesis, null_.hypothesis, follows);
   const auto count = static_cast<Index>(candidate.effect->info().parameters.size());
@@ -160,7 +160,7 @@ Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& 
     look(screens.here);
     if (screens.next) look(*screens.next);
   }
-  // What a correction takes off at once may show in what it adds up to.
+  // A force that a correction takes off at once may show in the free run, where it adds up.
   if (sketch.IsSilent() && screens.free) {
     VectorXd q = from;
     q.segment(candidate.own(), candidate.starts.front().size()) = candidate.starts.front();

@@ -1,4 +1,4 @@
-// What a candidate promises, by a few runs beside the null and without a fit: how large the record asks for it to be, and which
+// A sketch of a candidate by a few runs beside the null, without a fit: how large the record asks for it to be, and which
 // share of the error it would remove that nominal values cannot.
 #pragma once
 
@@ -11,8 +11,9 @@
 
 namespace dynoproof::diagnosis {
 
-/// What an effect changes in the innovations of the null, weighted as these are, [rows], and what of it nominal values cannot make
-/// up for within their priors: rest = change - J (J'J + 1)^-1 J' change, J the null's columns. `size`: the factor at which it fits best,
+/// An effect as a column [rows]: `change` is how it moves the innovations of the null, weighted as these are, and `rest` the part of it
+/// that nominal values cannot make up for within their priors: rest = change - J (J'J + 1)^-1 J' change, J the null's columns but for
+/// the number that the effect changes itself. `size`: the factor at which it fits best,
 /// rest'e / rest'change; `removes`: of the null's squares, (rest'e)^2 / (rest'change e'e), linear; -1: the run breaks, or nothing is
 /// left of it. `moves`: the largest change of a channel, RMS over what noise alone causes there.
 struct Signature {
@@ -33,11 +34,8 @@ class Screen {
   double Removed(const Trial& candidate, const Eigen::VectorXd& q, const Signature& signature) const;
 
  private:
-  /// The null's columns and the inverse of their curvature, without the number that a candidate changes itself.
-  struct Columns {
-    Eigen::MatrixXd jacobian, inverse;
-  };
-  Columns ColumnsBeside(const Trial& candidate) const;
+  /// The inverse curvature of the null's numbers, without the one that a candidate changes itself: its row and column are 0.
+  Eigen::MatrixXd InverseBeside(const Trial& candidate) const;
 
   const Contestant& null_;
   const estimation::Predictor& predictor_;
@@ -66,7 +64,7 @@ struct Sketch {
   bool IsSilent() const;
 };
 
-/// What is told of a candidate whose sketch is silent.
+/// The entry of `not_testable` for a candidate whose sketch is silent.
 NotTestable Silence(const Trial& candidate);
 
 /// The best of the candidate's starts at the size that comes out of it, on either screen. `from`: coordinates of its hypothesis.
