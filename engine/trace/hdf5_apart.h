@@ -126,7 +126,8 @@ struct ApartLimits {
 /// ended (exit code 2), or that there could be none (3).
 ///
 /// The other process is a copy of this one with the calling thread alone. So `work` may take only locks that nobody
-/// else can hold meanwhile: that of hdf5::Session is held by the caller already, malloc's are kept safe by the C library.
+/// else can hold meanwhile: that of hdf5::Session is held by the caller already, malloc's are kept safe by the C library
+/// (those of the address sanitizer's allocator are not: built so, no other thread may allocate meanwhile).
 Status RunApart(const ApartLimits& limits, const std::function<void(Sender&)>& work,
                 const std::function<void(Receiver&)>& take);
 

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <random>
 #include <thread>
@@ -155,29 +156,65 @@ TEST(AtomicFile, KilledWriterLeavesTheOldOrTheNewTrace) {
   EXPECT_GT(CountParts(dir), 0u);
 }
 
-TEST(AtomicFile, WritersAtTheSameTimeDoNotMix) {
-  const TempDir dir;
+std::vector<trace::Trace> TracesOfFourLengths() {
   std::vector<trace::Trace> traces;
   for (std::size_t i = 0; i < 4; ++i) traces.push_back(trace::SampleTrace(1000 + 500 * i));
-  ASSERT_EQ(trace::WriteTrace(dir / "t.h5", traces[0]), std::nullopt);
-  std::atomic<int> failures{0}, running{static_cast<int>(traces.size())};
-  std::vector<std::thread> writers;
-  for (const trace::Trace& mine : traces) {
-    writers.emplace_back([&] {
-      for (int i = 0; i < 15; ++i) failures += trace::WriteTrace(dir / "t.h5", mine) ? 1 : 0;
-      --running;
-    });
+  return traces;
+}
+
+bool IsOneOf(const trace::Trace& trace, const std::vector<trace::Trace>& traces) {
+  return std::find(traces.begin(), traces.end(), trace) != traces.end();
+}
+
+TEST(AtomicFile, ThreadsThatWriteAtTheSameTimeDoNotMix) {
+  const TempDir dir;
+  const std::vector<trace::Trace> traces = TracesOfFourLengths();
+  std::atomic<int> failures{0};
+  for (int round = 0; round < 5; ++round) {
+    std::vector<std::thread> writers;
+    for (const trace::Trace& mine : traces) {
+      writers.emplace_back([&] {
+        for (int i = 0; i < 3; ++i) failures += trace::WriteTrace(dir / "t.h5", mine) ? 1 : 0;
+      });
+    }
+    for (std::thread& writer : writers) writer.join();
+    const Result<trace::Trace> found = trace::ReadTrace(dir / "t.h5");
+    ASSERT_TRUE(found.ok()) << found.failure().ToString();
+    EXPECT_TRUE(IsOneOf(*found, traces));
   }
-  int reads = 0;
-  while (running > 0 || reads == 0) {
+  EXPECT_EQ(failures, 0);
+  EXPECT_THAT(dir.Names(), ElementsAre("t.h5"));
+}
+
+// Who reads while others write is a process beside theirs, as two runs into one folder are. Threads would not do under the
+// address sanitizer: a reader is a fork (trace/hdf5_apart.h), and that allocator's locks are copied as they are held.
+TEST(AtomicFile, ReadersSeeOneOfWhatProcessesWriteAtTheSameTime) {
+  const TempDir dir;
+  const std::vector<trace::Trace> traces = TracesOfFourLengths();
+  ASSERT_EQ(trace::WriteTrace(dir / "t.h5", traces[0]), std::nullopt);
+  std::vector<pid_t> writers;
+  for (const trace::Trace& mine : traces) {
+    const pid_t writer = ::fork();
+    ASSERT_GE(writer, 0);
+    if (writer == 0) {
+      int failures = 0;
+      for (int i = 0; i < 15; ++i) failures += trace::WriteTrace(dir / "t.h5", mine) ? 1 : 0;
+      ::_exit(failures);
+    }
+    writers.push_back(writer);
+  }
+  for (std::size_t ended = 0; ended < writers.size();) {
     const Result<trace::Trace> found = trace::ReadTrace(dir / "t.h5");
     EXPECT_TRUE(found.ok()) << found.failure().ToString();
-    if (!found.ok()) break;
-    EXPECT_TRUE(std::find(traces.begin(), traces.end(), *found) != traces.end());
-    ++reads;
+    if (found.ok()) {
+      EXPECT_TRUE(IsOneOf(*found, traces));
+    }
+    int state = 0;
+    while (ended < writers.size() && ::waitpid(writers[ended], &state, found.ok() ? WNOHANG : 0) == writers[ended]) {
+      EXPECT_TRUE(WIFEXITED(state) && WEXITSTATUS(state) == 0);
+      ++ended;
+    }
   }
-  for (std::thread& writer : writers) writer.join();
-  EXPECT_EQ(failures, 0);
   EXPECT_THAT(dir.Names(), ElementsAre("t.h5"));
 }
 

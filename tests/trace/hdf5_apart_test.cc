@@ -86,8 +86,8 @@ TEST(Apart, TimeAndMemoryAreLimited) {
   ASSERT_FALSE(greedy.ok());
   EXPECT_THAT(greedy.failure().message, HasSubstr("more than 47 MB"));
 }
-#endif
 
+// The address sanitizer's allocator does not let go of its locks for a fork, as the C library's does.
 TEST(Apart, OtherThreadsMayGoOn) {
   std::atomic<bool> stop = false;
   std::vector<std::thread> others;
@@ -102,6 +102,7 @@ TEST(Apart, OtherThreadsMayGoOn) {
   stop = true;
   for (std::thread& other : others) other.join();
 }
+#endif
 
 TEST(Apart, NoDamageAmongVariableTextsTouchesTheNumbers) {
   const test::TempDir dir;
