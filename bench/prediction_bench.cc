@@ -1,5 +1,5 @@
 // The time of one simulation of a fit: the plan is built and run beside 14 000 rows of the soft rotor (70 masses), free and
-// corrected. Counter `per_row`: time of a row; `built`: time of building alone is its own benchmark, as is a single correction.
+// corrected. Counter `per_row`: time of a row. Building alone, and a single correction, are benchmarks of their own.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -114,6 +114,25 @@ void Build(benchmark::State& state, const char* scenario) {
   NoteClock(state);
 }
 
+/// A correction by the errors of two outputs, as the run beside a record has one a tick.
+void Correct(benchmark::State& state, const char* scenario) {
+  const Case& of = Of(scenario);
+  if (!of.fault.empty()) return state.SkipWithError(of.fault.c_str());
+  const Result<BuiltRun> run = BuildRun(of.plan, of.data->records().front(), of.registry);
+  if (!run.ok()) return state.SkipWithError(run.failure().ToString().c_str());
+  const std::unique_ptr<Correction> correction =
+      run->solver->MakeCorrection(of.corrected->observer()->GainsFor(*run->rig, {}), {});
+  Simulation simulation(*run->rig, *run->solver);
+  if (simulation.Start()) return state.SkipWithError("the run does not start");
+  const std::vector<double> errors(of.corrected->outputs().size(), 1e-9);
+  for (auto _ : state) {
+    simulation.Correct(*correction, errors);
+    benchmark::ClobberMemory();
+  }
+  NoteClock(state);
+}
+
+BENCHMARK_CAPTURE(Correct, soft_rotor, "diagnose/r2r_soft");
 BENCHMARK_CAPTURE(Predict, soft_rotor_free, "diagnose/r2r_soft", false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Predict, soft_rotor_corrected, "diagnose/r2r_soft", true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Build, soft_rotor, "diagnose/r2r_soft")->Unit(benchmark::kMillisecond);

@@ -26,10 +26,11 @@ struct Instant {
   double share;
 
   Instant(double time_s, double period_s, std::size_t ticks) {
-    double at = std::clamp(time_s / period_s, 0.0, static_cast<double>(ticks - 1));
-    if (std::abs(at - std::round(at)) < kOnTick) at = std::round(at);
-    tick = static_cast<std::size_t>(at);
-    share = at - static_cast<double>(tick);
+    const double at = std::clamp(time_s / period_s, 0.0, static_cast<double>(ticks - 1));
+    const auto nearest = static_cast<std::size_t>(at + 0.5);
+    const bool there = std::abs(at - static_cast<double>(nearest)) < kOnTick;
+    tick = there ? nearest : static_cast<std::size_t>(at);
+    share = there ? 0.0 : at - static_cast<double>(tick);
   }
 };
 
@@ -96,10 +97,13 @@ class SensorError {
     if (measured == nullptr) return;
     measured_.assign(static_cast<std::size_t>(rig.steps) + 1, kNone);
     for (std::size_t i = 0; i < measured->time->size(); ++i) {
-      const double tick = (*measured->time)[i] / period_s, nearest = std::round(tick), counts = nearest - late();
-      if (!(counts >= 0.0) || counts > static_cast<double>(rig.steps)) continue;
+      const double tick = (*measured->time)[i] / period_s;
+      if (!(tick > -0.5)) continue;
+      const auto nearest = static_cast<std::int64_t>(tick + 0.5), counts = nearest - late();
+      if (counts < 0 || counts > rig.steps) continue;
+      const auto there = static_cast<double>(nearest);
       measured_[static_cast<std::size_t>(counts)] =
-          std::abs(tick - nearest) < kOnTick ? (*measured->values)[i] : ValueNear(*measured, i, nearest * period_s);
+          std::abs(tick - there) < kOnTick ? (*measured->values)[i] : ValueNear(*measured, i, there * period_s);
     }
   }
 
@@ -156,6 +160,17 @@ class Corrections {
   std::map<std::vector<int>, std::unique_ptr<Correction>> by_modes_;
 };
 
+/// By record, whether any row lies between ticks.
+std::vector<bool> BetweenTicks(const DataSet& data, double period_s) {
+  std::vector<bool> between(data.records().size(), false);
+  for (const Channel& channel : data.channels()) {
+    const auto ticks = static_cast<std::size_t>(std::ceil(data.records()[channel.record].end_s / period_s)) + 2;
+    for (Index i = channel.begin; i < channel.begin + channel.count && !between[channel.record]; ++i)
+      between[channel.record] = Instant(data.time_s()[static_cast<std::size_t>(i)], period_s, ticks).share > 0.0;
+  }
+  return between;
+}
+
 /// The finest step of a record's outputs [s].
 double StepOf(const MappedRecord& record) {
   double step_s = std::numeric_limits<double>::infinity();
@@ -167,7 +182,11 @@ double StepOf(const MappedRecord& record) {
 
 Predictor::Predictor(const DataSet& data, const LinearModel& model, const Registry& registry,
                      std::optional<double> memory_s, std::shared_ptr<mechanics::Decompositions> decompositions)
-    : data_(&data), model_(&model), registry_(&registry), decompositions_(std::move(decompositions)) {
+    : data_(&data),
+      model_(&model),
+      registry_(&registry),
+      decompositions_(std::move(decompositions)),
+      between_(BetweenTicks(data, model.period_s)) {
   observer_ = ObserverOf(memory_s);
 }
 
@@ -176,7 +195,8 @@ Predictor::Predictor(const Predictor& lead, double until_s, std::optional<double
       model_(lead.model_),
       registry_(lead.registry_),
       leads_(lead.leads_),
-      decompositions_(lead.decompositions_) {
+      decompositions_(lead.decompositions_),
+      between_(lead.between_) {
   leads_.push_back({lead.observer_, until_s});
   observer_ = ObserverOf(memory_s);
 }
@@ -229,12 +249,7 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
         tell(i, j, data_->time_s()[static_cast<std::size_t>(i)]);
     }
   };
-  bool between = false;
-  if (!free_run() || !leads_.empty()) {
-    for_each_row([&](Index, std::size_t j, double time_s) {
-      between = between || Instant(time_s, period_s, courses[j].ends.size()).share > 0.0;
-    });
-  }
+  const bool between = between_[r] || period_s != model_->period_s;
   std::vector<double> errors(count);
   for (std::int64_t step = 0; step <= rig.steps; ++step) {
     const auto k = static_cast<std::size_t>(step);

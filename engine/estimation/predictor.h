@@ -67,6 +67,7 @@ class Predictor {
   std::optional<Observer> observer_;
   Eigen::VectorXd learned_;  // by channel, what noise makes of the nominal run; empty: it is linear
   std::shared_ptr<mechanics::Decompositions> decompositions_;
+  std::vector<bool> between_;  // by record: rows lie between ticks, where a run is known less well
   mutable std::atomic<std::int64_t> simulations_ = 0;
 };
 

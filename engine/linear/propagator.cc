@@ -295,6 +295,7 @@ Result<Propagator> Propagator::Create(const ModalForm& form, double interval_s, 
   result.advance_and_output_ = kernels.advance_and_output[rigid][Kernels::Variant(m)];
   result.output_ = kernels.output;
   result.respond_ = kernels.respond;
+  result.add_ = kernels.add;
   result.cpu_class_ = cpu_class;
   result.interval_s_ = interval_s;
   result.state_size_ = form.state_size();

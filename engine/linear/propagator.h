@@ -48,6 +48,12 @@ class Propagator {
     respond_(plan_, state.data(), input, held, ramp);
   }
 
+  /// Adds `columns` [state_size x count, one after the other] times their `factors` [count] to the state.
+  void Add(std::span<const double> columns, std::span<const double> factors, std::span<double> state) const {
+    assert(std::ssize(state) == state_size_ && columns.size() == factors.size() * state.size());
+    add_(plan_, columns.data(), factors.data(), static_cast<int>(factors.size()), state.data());
+  }
+
   /// y [r] = C x + E p + D u.
   void Output(std::span<const double> state, std::span<const double> u, std::span<double> y) const {
     assert(std::ssize(state) == state_size_ && std::ssize(u) == inputs_ && std::ssize(y) == outputs());
@@ -77,6 +83,7 @@ class Propagator {
   RespondKernel respond_ = nullptr;
   AdvanceAndOutputKernel advance_and_output_ = nullptr;
   OutputKernel output_ = nullptr;
+  AddKernel add_ = nullptr;
   StepPlan plan_;  // points into coefficients_, which copies share
   std::shared_ptr<const Coefficients> coefficients_;
   CpuClass cpu_class_ = CpuClass::kBaseline;

@@ -246,6 +246,28 @@ DYNOPROOF_INLINE void AddResponse(const StepPlan& plan, double* state, int input
   }
 }
 
+/// N columns at once, so that the state is read and written once for all of them. Factors and size are copied, because the
+/// compiler would read them anew behind each write.
+template <class V, int N>
+DYNOPROOF_INLINE void AddSome(int size, const double* columns, const double* factors, double* state) {
+  const double first = factors[0], second = factors[N - 1];
+  const double* others = columns + static_cast<long>(N - 1) * size;
+  for (int i = 0; i < size; i += V::kWidth) {
+    typename V::Type next = Load<V>(columns + i) * first + Load<V>(state + i);
+    if constexpr (N == 2) next = Load<V>(others + i) * second + next;
+    Store<V>(state + i, next);
+  }
+}
+
+template <class V>
+DYNOPROOF_INLINE void AddColumns(const StepPlan& plan, const double* columns, const double* factors, int count,
+                                 double* state) {
+  const int size = plan.state_size;
+  int j = 0;
+  for (; j + 2 <= count; j += 2) AddSome<V, 2>(size, columns + static_cast<long>(j) * size, factors + j, state);
+  if (j < count) AddSome<V, 1>(size, columns + static_cast<long>(j) * size, factors + j, state);
+}
+
 // The functions of one class of instructions. TARGET cannot be a template argument, hence the macro.
 #define DYNOPROOF_KERNELS(NAME, V, TARGET)                                                                       \
   [[gnu::noinline]] TARGET void Rare##NAME(const StepPlan& plan, double* state, const double* u, int columns) {  \
@@ -265,12 +287,16 @@ DYNOPROOF_INLINE void AddResponse(const StepPlan& plan, double* state, int input
   TARGET void Respond##NAME(const StepPlan& plan, double* state, int input, double held, double ramp) {          \
     AddResponse<V>(plan, state, input, held, ramp);                                                              \
   }                                                                                                              \
+  TARGET void Add##NAME(const StepPlan& plan, const double* columns, const double* factors, int count,           \
+                        double* state) {                                                                         \
+    AddColumns<V>(plan, columns, factors, count, state);                                                         \
+  }                                                                                                              \
   constexpr Kernels k##NAME {                                                                                    \
     {{Advance##NAME<0, false>, Advance##NAME<1, false>, Advance##NAME<2, false>},                                \
      {Advance##NAME<0, true>, Advance##NAME<1, true>, Advance##NAME<2, true>}},                                  \
         {{AdvanceAndOutput##NAME<0, false>, AdvanceAndOutput##NAME<1, false>, AdvanceAndOutput##NAME<2, false>}, \
          {AdvanceAndOutput##NAME<0, true>, AdvanceAndOutput##NAME<1, true>, AdvanceAndOutput##NAME<2, true>}},   \
-        Output##NAME, Respond##NAME                                                                              \
+        Output##NAME, Respond##NAME, Add##NAME                                                                   \
   }
 
 DYNOPROOF_KERNELS(Baseline, Vector2, );

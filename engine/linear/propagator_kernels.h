@@ -64,12 +64,17 @@ using RespondKernel = void (*)(const StepPlan& plan, double* state, int input, d
 /// y [r] of the state and of u [m].
 using OutputKernel = void (*)(const StepPlan& plan, const double* state, const double* u, double* y);
 
+/// Adds to the state the columns [state_size x count], each times its factor.
+using AddKernel = void (*)(const StepPlan& plan, const double* columns, const double* factors, int count,
+                           double* state);
+
 /// Indices: whether the plan has a rigid_record; number of inputs where it is 1 or 2, else 0 for any.
 struct Kernels {
   AdvanceKernel advance[2][3];
   AdvanceAndOutputKernel advance_and_output[2][3];
   OutputKernel output;
   RespondKernel respond;
+  AddKernel add;
 
   static int Variant(int inputs) { return inputs <= 2 ? inputs : 0; }
 };

@@ -97,19 +97,19 @@ class RealtimeSolver : public Solver {
                     const std::vector<int>& taken)
         : solver_(solver) {
       const std::vector<double> none(static_cast<std::size_t>(solver.form_.inputs()), 0.0);
-      modal_.resize(static_cast<Eigen::Index>(solver.form_.state_size()), std::ssize(gains));
+      const auto size = static_cast<std::size_t>(solver.form_.state_size());
       for (std::size_t j = 0; j < gains.size(); ++j) {
         const std::vector<double>& change = gains[j];
         Eigen::VectorXd x, p;
         solver.group_.FromStates(change, x, p);
-        mechanics::AlignedVector modal(static_cast<std::size_t>(solver.form_.state_size()), 0.0);
+        mechanics::AlignedVector modal(size, 0.0);
         solver.form_.SetState(x, p, modal);
         const std::size_t passed =
             taken.empty() || taken[j] < 0 ? solver.steps_.size() : static_cast<std::size_t>(taken[j]);
         for (std::size_t i = passed; i < solver.steps_.size(); ++i) {
           for (int k = 0; k < solver.steps_[i].substeps; ++k) solver.steps_[i].propagator.Advance(modal, none);
         }
-        modal_.col(static_cast<Eigen::Index>(j)) = Eigen::Map<const Eigen::VectorXd>(modal.data(), modal_.rows());
+        modal_.insert(modal_.end(), modal.begin(), modal.end());
         std::vector<Own>& own = own_.emplace_back();
         for (const int index : solver.roles_.nonlinear)
           AddOwn(solver.rig_.blocks[index].first_state, solver.rig_.blocks[index].states(), change, own);
@@ -118,8 +118,7 @@ class RealtimeSolver : public Solver {
     }
 
     void Apply(Frame& frame, std::span<const double> errors) override {
-      Eigen::Map<Eigen::VectorXd, Eigen::Aligned64>(frame.solver.data(), modal_.rows()).noalias() +=
-          modal_ * Eigen::Map<const Eigen::VectorXd>(errors.data(), modal_.cols());
+      solver_.steps_.front().propagator.Add(modal_, errors, solver_.State(frame));
       for (std::size_t j = 0; j < own_.size(); ++j) {
         for (const Own& own : own_[j]) frame.states[own.state] += own.gain * errors[j];
       }
@@ -138,7 +137,7 @@ class RealtimeSolver : public Solver {
     }
 
     RealtimeSolver& solver_;
-    Eigen::MatrixXd modal_;  // a column for each error
+    mechanics::AlignedVector modal_;  // a column for each error
     std::vector<std::vector<Own>> own_;
   };
 

@@ -353,6 +353,24 @@ TEST(Propagator, SingleOutputPathLeavesTheSameState) {
   }
 }
 
+TEST(Propagator, AddsColumnsToTheState) {
+  const ModalForm form = ModalForm::Build(NetworkSystem(support::StraightChain(), MatrixXd::Identity(5, 2)));
+  for (const CpuClass cpu_class : AvailableClasses()) {
+    const Propagator propagator = Make(form, kStep, cpu_class);
+    const Eigen::Index size = propagator.state_size();
+    for (const Eigen::Index count : {0, 1, 2, 3, 5}) {
+      const MatrixXd columns = MatrixXd::Random(size, count);
+      const VectorXd factors = VectorXd::Random(count), before = VectorXd::Random(size);
+      VectorXd state = before;
+      propagator.Add({columns.data(), static_cast<std::size_t>(columns.size())},
+                     {factors.data(), static_cast<std::size_t>(count)}, {state.data(), static_cast<std::size_t>(size)});
+      const VectorXd expected = before + columns * factors;
+      EXPECT_LT((state - expected).cwiseAbs().maxCoeff(), 1e-15 * static_cast<double>(count + 1))
+          << ToString(cpu_class);
+    }
+  }
+}
+
 TEST(Propagator, DenseFallbackIsStillExact) {
   const int n = 20;  // above the size of one group, two vectors and a rest
   LinearSystem system;
