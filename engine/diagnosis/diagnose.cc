@@ -109,6 +109,17 @@ std::vector<std::string> NominalValuesAlike(const EstimationProblem& problem, co
   return alike;
 }
 
+/// Twice the logarithm of the likelihood by which a fit is behind another one, each channel's rows counted by their correlation. Of
+/// starts alone, which the first block of rows shows and no other: leaving that out would tell nothing of them.
+double LeftMore(const estimation::Estimate& fit, const estimation::Estimate& other, const estimation::DataSet& data) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const double rows = static_cast<double>(data.channels()[c].count) / fit.scales[c].correlation;
+    sum += 2.0 * rows * std::log(fit.scales[c].rms / other.scales[c].rms);
+  }
+  return sum;
+}
+
 /// The course of one diagnosis.
 class Pipeline {
  public:
@@ -149,6 +160,7 @@ class Pipeline {
           answer = first;
       }
     }
+    if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
     return Report(*answer);
   }
 
@@ -187,6 +199,44 @@ class Pipeline {
     }
     Enter(*contest, settled, stage);
     return Answer{*std::move(contest), std::move(settled)};
+  }
+
+  /// The answer where records may begin otherwise than the plan by what no first sample shows: asked where a cause leaves nothing but
+  /// noise, and where such a start does so too and is not beaten. Every record has some start, so that this is the plainer story.
+  std::optional<Answer> BegunOtherwise(const Answer& answer) {
+    const auto& [contest, settled] = answer;
+    if (!settled.exact || settled.causes.empty() || !contest.null().hypothesis.effects().empty() || Spent()) return {};
+    const Plan begun = identification::WithStartsWritten(problem_, begun_);
+    const estimation::Hypothesis hypothesis = NullHypothesis(begun, contest.released, levels_, problem_.registry());
+    const std::size_t level = settled.level, numbers = hypothesis.parameters().size();
+    if (numbers == contest.null().hypothesis.parameters().size()) return {};
+    const Contestant& cause = contest.contestants[settled.causes.front()];
+    const estimation::Estimate fit =
+        estimation::Fit(hypothesis, levels_[level], StartFrom(hypothesis, cause.hypothesis, cause.levels[level].q),
+                        {.renewals = 6, .of_excess = policy::kCarriedTo});
+    if (!fit.ok()) return {};
+    const double worse = LeftMore(fit, cause.levels[level], levels_.data());
+    const bool exact = IsExact(fit), stands = exact && worse < policy::kAsWell;
+    JournalEntry entry{"start",
+                       {cause.Name(), "nominal model, its start free"},
+                       "a start that no first sample shows, " + levels_.Name(level),
+                       {{"leaves_more", worse}},
+                       stands   ? "leaves nothing but noise, and is taken"
+                       : !exact ? "leaves more than noise"
+                                : "told apart"};
+    for (std::size_t i = 0; i < numbers; ++i) {
+      const estimation::Parameter& own = hypothesis.parameters()[i];
+      if (own.name.starts_with("of_record."))
+        entry.numbers.emplace_back(own.name, own.ValueAt(fit.q[static_cast<Eigen::Index>(i)]));
+    }
+    result_.journal.push_back(std::move(entry));
+    if (!stands) return {};
+    Contestant null = NullOf(begun, contest.released, levels_, problem_.registry());
+    null.levels[level] = fit;
+    Result<Answer> next = Ask(std::move(null), contest.released, "with a start of its own");
+    if (!next.ok() || !next->contest.complete) return {};
+    begun_ = begun;
+    return *std::move(next);
   }
 
   /// Once more with the cause in the model, for there may be several.

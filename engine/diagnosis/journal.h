@@ -9,7 +9,8 @@
 namespace dynoproof::diagnosis {
 
 struct JournalEntry {
-  std::string stage;                  // "screening", "selection", "residual tests", "ambiguity", "verdict"
+  std::string
+      stage;  // "null model", "first look", "comparison", "start", "ambiguity", "residual tests", "verdict", ...
   std::vector<std::string> compared;  // candidates, "nominal model" or signals
   std::string rule;
   std::vector<std::pair<std::string, double>> numbers;  // by name, in the order in which the rule takes them

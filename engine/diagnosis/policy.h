@@ -57,6 +57,9 @@ inline constexpr double kNearEnough = 30.0;
 /// Squares of deviations from priors that one of two models that predict alike needs more than the other to be implausible
 /// beside it [standard deviations squared]: four deviations of one number, odds of 1 to 3000.
 inline constexpr double kImplausible = 16.0;
+/// Twice the logarithm of the likelihood up to which a start of its own accounts for a record as well as a cause does: what a number
+/// that does nothing gains in one of twenty.
+inline constexpr double kAsWell = 3.8;
 /// Least share of the null's excess that a cause removes, on training data.
 inline constexpr double kShare = 0.2;
 /// The same on data that took no part, corrected and in the free run: with priors, and with nominal values released.

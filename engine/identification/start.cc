@@ -167,6 +167,15 @@ Result<Plan> FindStarts(const EstimationProblem& problem, const Plan& plan, doub
   return LeftOf(first, *once) <= kAsWell * LeftOf(first, found) ? *once : found;
 }
 
+Plan WithStartsWritten(const EstimationProblem& problem, Plan plan) {
+  for (std::size_t r = 0; r < problem.records().size(); ++r) {
+    for (const Nuisance& nuisance : problem.nuisances()) {
+      if (nuisance.start) WriteNumber(plan.root, StartOfRecord(r) + "." + nuisance.path, Read(plan, r, nuisance.path));
+    }
+  }
+  return plan;
+}
+
 Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry) {
   if (!record.in_motion || record.outputs.empty()) return Start();
   const EstimationProblem problem(plan, {record}, registry);

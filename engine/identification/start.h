@@ -27,7 +27,10 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
 /// are left at that.
 Result<Plan> FindStarts(const EstimationProblem& problem, const Plan& plan, double until = 1.0);
 
-/// That of one record, for runs of it. Empty where the record begins as the plan does, or the plant declares no start.
+/// The plan with the start that it has, written down for each record, where a hypothesis may move it.
+Plan WithStartsWritten(const EstimationProblem& problem, Plan plan);
+
+/// The start found of one record, for runs of it. Empty where the record begins as the plan does, or the plant declares no start.
 Result<Start> StartOf(const Plan& plan, const MappedRecord& record, const Registry& registry);
 
 /// "plant.shaft.k1.initial_twist_rad = 0.00123, ...", for a note.

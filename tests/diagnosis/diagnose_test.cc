@@ -68,6 +68,17 @@ TEST(SlowDiagnose, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   EXPECT_TRUE(found.effects.empty());
 }
 
+// A sensor's offset is the same to the record, and would be named.
+TEST(SlowDiagnose, TakesAStartThatNoFirstSampleShows) {
+  Plan turning = AsBuilt(Nominal());
+  turning.root["plant"]["initial_speed_rad_per_s"] = Value(0.1);
+  const Diagnosis found = DiagnosisOf(turning, 0.01);
+  EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason << "\n" << ToText(found.journal);
+  const auto start = std::ranges::find(found.journal, "start", &JournalEntry::stage);
+  ASSERT_NE(start, found.journal.end()) << ToText(found.journal);
+  EXPECT_EQ(start->outcome, "leaves nothing but noise, and is taken");
+}
+
 TEST(SlowDiagnose, NamesADelayOfACommandAndNotOfASensor) {
   const Diagnosis found =
       DiagnosisOf(WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4}), 0.01);
