@@ -30,12 +30,12 @@ struct IdentifyArguments {
   int starts = 4;
 };
 
-const std::map<std::string, identification::IdentifyMethod> kMethods = {
-    {"free_run", identification::IdentifyMethod::kFreeRun},
-    {"spectrum", identification::IdentifyMethod::kSpectrum},
-    {"corrected", identification::IdentifyMethod::kCorrected},
-    {"response", identification::IdentifyMethod::kResponse},
-    {"two_stage", identification::IdentifyMethod::kTwoStage}};
+/// What `--method` may name, each with what it makes small.
+std::string HelpOfMethods() {
+  std::string help = "what is made small (default: corrected)";
+  for (const auto& [name, method] : identification::Methods()) help += fmt::format("; {}: {}", name, method.help);
+  return help;
+}
 
 /// KEY=LOW:HIGH, of one of the keys.
 void ReadBound(const std::string& text, std::vector<identification::FreeKey>& keys, Diagnostics& diagnostics) {
@@ -174,7 +174,7 @@ int Identify(const IdentifyArguments& arguments) {
     Complain(fmt::format("{}: {}\n", record.file, why));
     return kUndecided;
   }
-  const identification::IdentifyOptions options = {keys, kMethods.at(arguments.method), arguments.starts,
+  const identification::IdentifyOptions options = {keys, arguments.method, arguments.starts,
                                                    [](double done) { ShowProgress("fitting", done); }};
   Result<identification::Identified> result =
       identification::IdentifyBetween(measured->plan, measured->data, *registry, options);
@@ -232,14 +232,7 @@ void AddIdentify(CLI::App& program, int& exit) {
   command
       ->add_option("--bound", arguments->bounds, "KEY=LOW:HIGH: starts lie anywhere within; without, a decade around")
       ->allow_extra_args(false);
-  command
-      ->add_option(
-          "--method", arguments->method,
-          "corrected (default): of runs beside the record that it corrects less and less, up to the free run where "
-          "the model is exact. free_run: the error sample by sample, for values near by. For values far off, too: "
-          "spectrum: of the outputs; response: of a drive line, by [analysis]; two_stage: thesis (2.69) to (2.72), its "
-          "resonances and zeros, then their gains")
-      ->check(CLI::IsMember(kMethods));
+  command->add_option("--method", arguments->method, HelpOfMethods())->check(CLI::IsMember(identification::Methods()));
   command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);

@@ -14,6 +14,7 @@
 #include "experiment/build_info.h"
 #ifdef DYNOPROOF_THESIS
 #include "thesis/commands/commands.h"
+#include "thesis/two_stage.h"
 #endif
 
 int main(int argc, char** argv) {
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
 #ifdef DYNOPROOF_THESIS
   app::AddCoupling(program, exit);
   app::AddReproduce(program, exit);
+  identification::AddTwoStage();
 #endif
   app::AddCompare(program, exit);
   app::AddCheckData(program, exit);

@@ -13,6 +13,7 @@
 #include "experiment/prediction_windows.h"
 #include "identification/between_samples.h"
 #include "identification/corrected_fit.h"
+#include "identification/response_objective.h"
 #include "identification/start.h"
 #include "identification/suspects.h"
 #include "identification/told_apart.h"
@@ -23,14 +24,6 @@ namespace dynoproof::identification {
 namespace {
 
 constexpr double kTwoSided95 = 1.959964;  // standard deviations of a normal variable
-
-/// Random points for a start.
-std::size_t TriesOf(const IdentifyOptions& options) {
-  const bool runs = options.method == IdentifyMethod::kFreeRun || options.method == IdentifyMethod::kSpectrum;
-  const bool anywhere = std::any_of(options.keys.begin(), options.keys.end(),
-                                    [](const FreeKey& free) { return free.bounds.has_value(); });
-  return !anywhere ? 1 : runs ? 20 : 200;
-}
 
 /// Sandwich covariance: the scores of neighbouring samples are correlated where the residual is coloured, so they are
 /// summed over blocks that are longer than its memory.
@@ -51,31 +44,15 @@ Eigen::MatrixXd Sandwich(const Objective& objective, const Optimum& at, const Ei
   return inverse * meat * inverse;
 }
 
-/// What the Jacobian at the optimum tells: adds to singular values and keys not told apart, returns (J'J)^-1.
-Eigen::MatrixXd Tell(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
-  std::vector<std::string> keys;
-  for (const Axis& axis : axes) keys.push_back(axis.key);
-  ToldApart told = TellApart(at.jacobian, at.error.squaredNorm() / static_cast<double>(at.error.size()), keys);
-  result.singular.insert(result.singular.end(), told.singular.begin(), told.singular.end());
-  std::ranges::move(told.alike, std::back_inserter(result.alike));
-  return std::move(told.inverse);
-}
+/// What a method with one stage makes small.
+using Misfit = Result<std::unique_ptr<Objective>> (*)(const EstimationProblem& problem);
 
-void Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    result.values.push_back(
-        {axes[i].key, axes[i].nominal, axes[i].ValueAt(at.x[i]), std::nullopt, axes[i].OnBound(at.x[i])});
-  }
-  result.converged = std::min(result.converged, at.converged);
-}
-
-/// Of the methods with one stage.
-Result<std::unique_ptr<Objective>> MisfitOf(const EstimationProblem& problem, IdentifyMethod method) {
-  if (method == IdentifyMethod::kFreeRun) return FreeRunObjective(problem);
-  if (method == IdentifyMethod::kSpectrum) return SpectrumObjective(problem);
-  const Result<score::Response> response = MeasuredResponse(problem);
-  if (!response.ok()) return response.failure();
-  return ResponseObjective(problem, *response);
+Result<std::unique_ptr<Objective>> OfFreeRun(const EstimationProblem& problem) { return FreeRunObjective(problem); }
+Result<std::unique_ptr<Objective>> OfSpectrum(const EstimationProblem& problem) { return SpectrumObjective(problem); }
+Result<std::unique_ptr<Objective>> OfResponse(const EstimationProblem& problem) {
+  const Result<MeasuredCurve> measured = MeasuredResponse(problem);
+  if (!measured.ok()) return measured.failure();
+  return ResponseObjective(problem, measured->response);
 }
 
 /// The record with a clock that is off: its step by a share, the instants of one output beside the inputs by a time.
@@ -94,14 +71,14 @@ MappedRecord OffClock(MappedRecord record, double stretch, const std::string& ou
 
 /// Covariance of the search's own numbers by what the records' stamps leave open: each such doubt moves the optimum by
 /// (J'J)^-1 J' times what it moves the error, and a 95 % interval is to reach to its end.
-Result<Eigen::MatrixXd> ByDoubtOfStamps(const EstimationProblem& problem, IdentifyMethod method, const Plan& found,
+Result<Eigen::MatrixXd> ByDoubtOfStamps(const EstimationProblem& problem, Misfit misfit, const Plan& found,
                                         const Optimum& at, const Eigen::MatrixXd& inverse) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   const auto add = [&](std::size_t record, double stretch, const std::string& output, double shift_s) -> Status {
     std::vector<MappedRecord> off = problem.records();
     off[record] = OffClock(std::move(off[record]), stretch, output, shift_s);
     const EstimationProblem other(problem.plan(), std::move(off), problem.registry());
-    const Result<std::unique_ptr<Objective>> objective = MisfitOf(other, method);
+    const Result<std::unique_ptr<Objective>> objective = misfit(other);
     if (!objective.ok()) return objective.failure();
     const Result<Eigen::VectorXd> error = (*objective)->Of(found);
     if (!error.ok()) return error.failure();
@@ -144,16 +121,15 @@ void AddIntervals(const Objective& objective, const Optimum& at, const std::vect
   result.covariance = slope.asDiagonal() * own * slope.asDiagonal();
 }
 
-Status InOneStage(const EstimationProblem& problem, const std::vector<Axis>& axes, IdentifyMethod method,
+Status InOneStage(const EstimationProblem& problem, const std::vector<Axis>& axes, Misfit misfit,
                   const MultiStartOptions& search, Identified& result) {
-  const Result<std::unique_ptr<Objective>> objective = MisfitOf(problem, method);
+  const Result<std::unique_ptr<Objective>> objective = misfit(problem);
   if (!objective.ok()) return objective.failure();
   const Result<Optimum> best = Minimise(problem.plan(), **objective, axes, search);
   if (!best.ok()) return best.failure();
-  Take(*best, axes, result);
-  const Eigen::MatrixXd inverse = Tell(*best, axes, result);
+  const Eigen::MatrixXd inverse = Take(*best, axes, result);
   const Result<Eigen::MatrixXd> by_stamps =
-      ByDoubtOfStamps(problem, method, With(problem.plan(), axes, best->x), *best, inverse);
+      ByDoubtOfStamps(problem, misfit, With(problem.plan(), axes, best->x), *best, inverse);
   if (!by_stamps.ok()) return by_stamps.failure();
   AddIntervals(**objective, *best, axes, inverse, *by_stamps, result);
   return {};
@@ -166,37 +142,40 @@ void GoOnInFreeRun(const EstimationProblem& problem, const std::vector<Axis>& ax
   free_run.converged = 1;
   MultiStartOptions search = {.starts = 1};
   for (std::size_t i = 0; i < axes.size(); ++i) search.first.push_back(axes[i].At(result.values[i].value));
-  if (InOneStage(problem, axes, IdentifyMethod::kFreeRun, search, free_run)) return;
+  if (InOneStage(problem, axes, OfFreeRun, search, free_run)) return;
   result.values = std::move(free_run.values);
   result.covariance = std::move(free_run.covariance);
   result.singular = std::move(free_run.singular);
   result.alike = std::move(free_run.alike);
 }
 
-bool IsDamping(const std::string& key) { return key.substr(key.rfind('.') + 1).starts_with("damping"); }
+template <Misfit misfit, bool by_runs>
+Status OneStage(const EstimationProblem& problem, const std::vector<Axis>& axes, const IdentifyOptions& options,
+                Identified& result) {
+  return InOneStage(problem, axes, misfit, {options.starts, TriesOf(options.keys, by_runs), options.progress}, result);
+}
 
-/// Thesis (2.69) to (2.72).
-Status InTwoStages(const EstimationProblem& problem, const std::vector<Axis>& axes, const IdentifyOptions& options,
-                   Identified& result) {
-  Result<Landmarks> measured = MeasuredLandmarks(problem);
-  if (!measured.ok()) return measured.failure();
-  result.landmarks = *measured;
-  std::vector<Axis> still, damping;
-  for (const Axis& axis : axes) (IsDamping(axis.key) ? damping : still).push_back(axis);
-  Plan plan = problem.plan();
-  const auto stage = [&](const std::vector<Axis>& own, const Objective& objective, double begin) -> Status {
-    if (own.empty()) return {};
-    const Result<Optimum> best =
-        Minimise(plan, objective, own,
-                 {options.starts, TriesOf(options), [&](double done) { options.progress(begin + 0.5 * done); }});
-    if (!best.ok()) return best.failure();
-    Tell(*best, own, result);
-    Take(*best, own, result);
-    plan = With(std::move(plan), own, best->x);
-    return {};
-  };
-  if (Status failed = stage(still, *FrequencyObjective(problem, *measured), 0.0)) return failed;
-  return stage(damping, *GainObjective(problem, *std::move(measured)), 0.5);
+Status Corrected(const EstimationProblem& problem, const std::vector<Axis>& axes, const IdentifyOptions& options,
+                 Identified& result) {
+  if (Status failed = FitCorrected(problem, options, result)) return failed;
+  // The free run's objective knows no differences between records.
+  if (!result.level->memory_s && result.of_records.empty()) GoOnInFreeRun(problem, axes, result);
+  return {};
+}
+
+constexpr const char* kCorrected = "corrected";
+
+std::map<std::string, Method>& AllMethods() {
+  static std::map<std::string, Method> methods = {
+      {kCorrected,
+       {"the error of runs that the record corrects less and less, up to the free run where the model is exact",
+        Corrected}},
+      {"free_run", {"the error of the free run sample by sample, for values near by", OneStage<OfFreeRun, true>}},
+      {"response",
+       {"the error of a drive line's frequency response, by [analysis], for values far off, too",
+        OneStage<OfResponse, false>}},
+      {"spectrum", {"the error of the outputs' spectra, for values far off, too", OneStage<OfSpectrum, true>}}};
+  return methods;
 }
 
 /// Why a fit is worth nothing.
@@ -222,8 +201,27 @@ std::vector<std::string> DoubtsOf(const Identified& result) {
 
 }  // namespace
 
+const std::map<std::string, Method>& Methods() { return AllMethods(); }
+void AddMethod(const std::string& name, Method method) { AllMethods().emplace(name, std::move(method)); }
+
+Eigen::MatrixXd Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result) {
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    keys.push_back(axes[i].key);
+    result.values.push_back(
+        {axes[i].key, axes[i].nominal, axes[i].ValueAt(at.x[i]), std::nullopt, axes[i].OnBound(at.x[i])});
+  }
+  result.converged = std::min(result.converged, at.converged);
+  ToldApart told = TellApart(at.jacobian, at.error.squaredNorm() / static_cast<double>(at.error.size()), keys);
+  result.singular.insert(result.singular.end(), told.singular.begin(), told.singular.end());
+  std::ranges::move(told.alike, std::back_inserter(result.alike));
+  return std::move(told.inverse);
+}
+
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
                             const IdentifyOptions& options) {
+  const auto method = Methods().find(options.method);
+  if (method == Methods().end()) return Failure{.message = "no method is called " + options.method, .exit_code = 2};
   const EstimationProblem given(plan, data, registry);
   const Result<Plan> begun = FindStarts(given, given.plan());
   if (!begun.ok()) return begun.failure();
@@ -236,16 +234,7 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   Identified result;
   result.starts = result.converged = options.starts;
   result.nrmse_before = *before;
-  if (options.method == IdentifyMethod::kTwoStage) {
-    if (Status failed = InTwoStages(problem, axes, options, result)) return *failed;
-  } else if (options.method == IdentifyMethod::kCorrected) {
-    if (Status failed = FitCorrected(problem, options, result)) return *failed;
-    // The free run's objective knows no differences between records.
-    if (!result.level->memory_s && result.of_records.empty()) GoOnInFreeRun(problem, axes, result);
-  } else {
-    const MultiStartOptions search = {options.starts, TriesOf(options), options.progress};
-    if (Status failed = InOneStage(problem, axes, options.method, search, result)) return *failed;
-  }
+  if (Status failed = method->second.fit(problem, axes, options, result)) return *failed;
   Plan found = problem.plan();
   for (const IdentifiedValue& one : result.values) *found.root.FindPath(one.key) = Value(one.value);
   for (const ValueOfRecord& one : result.of_records)
@@ -254,7 +243,7 @@ Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& d
   if (!after.ok()) return after.failure();
   result.nrmse_after = *after;
   result.doubts = DoubtsOf(result);
-  if (options.method != IdentifyMethod::kCorrected && data.size() > 1 && !NumbersThatDiffer(plan).empty())
+  if (options.method != kCorrected && data.size() > 1 && !NumbersThatDiffer(plan).empty())
     result.notes.push_back("[prior] states numbers that differ from record to record: --method corrected fits them");
   if (result.level && result.level->memory_s)
     result.notes.push_back("the model leaves more than noise in its free run: diagnose looks for what it lacks");
@@ -346,10 +335,7 @@ nlohmann::json ToJson(const Identified& identified) {
                         {"nrmse_after", identified.nrmse_after},
                         {"notes", identified.notes},
                         {"doubts", identified.doubts}};
-  if (!identified.landmarks.resonances_hz.empty())
-    out["landmarks"] = {{"resonances_hz", identified.landmarks.resonances_hz},
-                        {"gains", identified.landmarks.gains},
-                        {"zeros_hz", identified.landmarks.zeros_hz}};
+  if (identified.sighting) out[identified.sighting->name] = identified.sighting->numbers;
   if (identified.level) {
     const CorrectedLevel& level = *identified.level;
     out["corrected"] = {{"memory_s", nullptr},
@@ -389,10 +375,7 @@ std::string ToTable(const Identified& identified) {
   for (const ValueOfRecord& one : identified.of_records)
     text += fmt::format("{:<58} times {:>8.4f}   {:.4f} ... {:.4f}\n", fmt::format("{} in {}", one.key, one.file),
                         one.factor, one.interval.first, one.interval.second);
-  const auto& [resonances, gains, zeros] = identified.landmarks;
-  if (!resonances.empty())
-    text += fmt::format("resonances at {:.1f} Hz; {}\n", fmt::join(resonances, ", "),
-                        zeros.empty() ? "no zeros" : fmt::format("zeros at {:.1f} Hz", fmt::join(zeros, ", ")));
+  if (identified.sighting) text += identified.sighting->line;
   for (const auto& set : identified.alike) text += fmt::format("not told apart: {}\n", fmt::join(set, ", "));
   if (identified.level) {
     const CorrectedLevel& level = *identified.level;

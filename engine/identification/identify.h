@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -9,21 +10,12 @@
 #include <vector>
 
 #include "identification/multi_start.h"
-#include "identification/response_objective.h"
 
 namespace dynoproof::identification {
 
-enum class IdentifyMethod {
-  kFreeRun,    // the error of the free run, sample by sample
-  kSpectrum,   // spectra of the outputs in bands, of any scenario
-  kResponse,   // the frequency response of a drive line in one stage: no runs, so many starts
-  kCorrected,  // runs that the record corrects, by a memory that grows (engine/estimation)
-  kTwoStage,   // thesis (2.69) to (2.72): what is no damping by the resonances and zeros, then dampings by the gains
-};
-
 struct IdentifyOptions {
   std::vector<FreeKey> keys;
-  IdentifyMethod method = IdentifyMethod::kFreeRun;
+  std::string method = "free_run";  // one of Methods()
   int starts = 4;
   std::function<void(double)> progress = [](double) {};
 };
@@ -41,7 +33,7 @@ struct IdentifiedValue {
   std::string key;
   double nominal = 0.0, value = 0.0;
   std::optional<std::pair<double, double>>
-      interval;  // 95 %; none on a bound, not told apart, as wide as the bounds, and by two stages
+      interval;  // 95 %; none on a bound, not told apart, as wide as the bounds, and by methods that know none
   bool on_bound = false;
 };
 /// A number in one record, where [prior] says that it differs from record to record.
@@ -51,6 +43,12 @@ struct ValueOfRecord {
   double factor = 1.0;                 // on the common value
   std::pair<double, double> interval;  // 95 %, of the factor
 };
+/// What a method saw of the records on its way to the values.
+struct Sighting {
+  std::string name;                                    // as the JSON has it
+  std::map<std::string, std::vector<double>> numbers;  // by their names, which carry the units
+  std::string line;                                    // of the table, with its end
+};
 struct Identified {
   std::vector<IdentifiedValue> values;
   std::vector<ValueOfRecord> of_records;
@@ -58,15 +56,31 @@ struct Identified {
                                // not told apart
   std::vector<double> singular;                 // of the Jacobian in the search's own numbers, largest first; by stage
   std::vector<std::vector<std::string>> alike;  // keys that only a combination of is seen
-  int starts = 0, converged = 0;        // starts that reached the best cost within 0.1 %; of two stages the fewer
+  int starts = 0, converged = 0;        // starts that reached the best cost within 0.1 %; of several stages the fewest
   std::optional<CorrectedLevel> level;  // at which a corrected fit is judged
-  Landmarks landmarks;                  // that two stages saw
+  std::optional<Sighting> sighting;     // by methods that tell of one
   double nrmse_before = 0.0, nrmse_after = 0.0;  // of the free run, by any method
   std::vector<std::string> notes;                // what a reader should know
   std::vector<std::string> doubts;  // why the numbers are worth nothing: on a bound, worse than before, ...
 };
 
-/// Fails as Minimise does, and by response or two stages as MeasuredResponse and LandmarksOf do.
+/// A way from records to numbers. `fit` fills what it finds of the axes' numbers into `result`: values, covariance, singular,
+/// alike, converged, level, sighting. `axes` stand in the order of `options.keys`.
+struct Method {
+  std::string help;  // what is made small, for `identify --help`
+  Status (*fit)(const EstimationProblem& problem, const std::vector<Axis>& axes, const IdentifyOptions& options,
+                Identified& result);
+};
+/// By name: corrected, free_run, response, spectrum, and what layers above brought along.
+const std::map<std::string, Method>& Methods();
+/// How a layer above brings a method along, before the program's commands are made. Calling it again changes nothing.
+void AddMethod(const std::string& name, Method method);
+
+/// Adds what an optimum tells of the axes' numbers to `result`: values, singular values, keys that are not told apart, the
+/// starts that reached it. (J'J)^-1 of the axes' own numbers, p x p.
+Eigen::MatrixXd Take(const Optimum& at, const std::vector<Axis>& axes, Identified& result);
+
+/// Fails as the method does: by runs as Minimise, by response as MeasuredResponse, too.
 Result<Identified> Identify(const Plan& plan, const std::vector<MappedRecord>& data, const Registry& registry,
                             const IdentifyOptions& options);
 

@@ -112,6 +112,12 @@ Plan With(Plan plan, const std::vector<Axis>& axes, const std::vector<double>& x
   return plan;
 }
 
+std::size_t TriesOf(const std::vector<FreeKey>& keys, bool by_runs) {
+  const bool anywhere =
+      std::any_of(keys.begin(), keys.end(), [](const FreeKey& free) { return free.bounds.has_value(); });
+  return !anywhere ? 1 : by_runs ? 20 : 200;
+}
+
 Result<Optimum> Minimise(const Plan& plan, const Objective& objective, const std::vector<Axis>& axes,
                          const MultiStartOptions& options) {
   const Cost cost(plan, objective, axes);

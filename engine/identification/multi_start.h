@@ -50,6 +50,9 @@ struct MultiStartOptions {
   std::vector<double> first = {};  // where the first start begins [axes' own numbers]; empty: nominal values
 };
 
+/// So many random points for a start: one where no number has bounds, else 20 where each takes a run, and 200 where none does.
+std::size_t TriesOf(const std::vector<FreeKey>& keys, bool by_runs);
+
 /// Where the best of all starts came to rest.
 struct Optimum {
   std::vector<double> x;

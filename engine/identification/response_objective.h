@@ -1,47 +1,52 @@
-// Misfits of a drive line's frequency response, from the scenario's [analysis] input to its output: the curve as a
-// whole, or the two optimisation problems of the thesis. Those fit inertias and stiffnesses by where the resonances and
-// the transfer zeros lie, (2.69) and (2.70), then dampings by how high the resonances are, (2.71) and (2.72). No run is
-// needed: laws count as they are about rest.
+// The misfit of a drive line's frequency response, from the scenario's [analysis] input to its output. No run is needed:
+// laws count as they are about rest.
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "identification/objective.h"
+#include "linear/frequency_response.h"
 #include "score/response.h"
 
 namespace dynoproof::identification {
 
-/// What is measured, in the first record that has both signals, the hold of its input taken out. Fails (exit code 2)
-/// where there is none, where the plant has no frequency response or its signals pass stages, which are no part of it,
-/// and where the input does not excite the band.
-Result<score::Response> MeasuredResponse(const EstimationProblem& problem);
+/// What a record with both signals of [analysis] shows.
+struct MeasuredCurve {
+  score::Response response;                           // the hold of the input taken out
+  std::shared_ptr<const std::vector<double>> output;  // its rows as they were recorded, in the signal's unit
+  double step_s;                                      // from row to row
+};
+
+/// What is measured, in the first record that has both signals. Fails (exit code 2) where there is none, where the plant
+/// has no frequency response or its signals pass stages, which are no part of it, and where the input does not excite the
+/// band.
+Result<MeasuredCurve> MeasuredResponse(const EstimationProblem& problem);
+
+inline constexpr double kCoherent = 0.8;  // share of the output that is the input's, from where on a bin counts
+
+/// The logarithm of measured over modelled gain, within +-5: an undamped resonance has no height, and a zero no depth.
+double LogGain(double ratio);
+
+/// A misfit that asks nothing of a plan but its frequency response. `problem` has to outlive it.
+class ResponseMisfit : public Objective {
+ public:
+  explicit ResponseMisfit(const EstimationProblem& problem) : problem_(problem) {}
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> Courses() const override { return {{0, size()}}; }
+  /// Fails (exit code 2) where the plan cannot be built or has no frequency response.
+  Result<Eigen::VectorXd> Of(const Plan& plan) const final;
+
+ protected:
+  /// size() numbers; `to_hz` is where [analysis] ends.
+  virtual Eigen::VectorXd ErrorOf(const mechanics::TransferFunction& model, double to_hz) const = 0;
+
+ private:
+  const EstimationProblem& problem_;
+};
 
 /// The complex logarithm of measured over modelled response, gain and phase, at frequencies 0.5 % apart or more where
-/// the two signals are coherent. `study` has to outlive it, as it has to the others.
+/// the two signals are coherent. `problem` has to outlive it.
 std::unique_ptr<Objective> ResponseObjective(const EstimationProblem& problem, const score::Response& measured);
-
-/// What a frequency response shows, rising in frequency.
-struct Landmarks {
-  std::vector<double> resonances_hz, gains;  // gain: output over input there
-  std::vector<double> zeros_hz;              // dips at which the response changes its sign
-};
-/// Peaks that stand out by 6 dB where the output is the input's (`coherence`: the share of it that is), the highest
-/// within `apart_hz`, 60 dB below the highest of all at most. Fails without one.
-Result<Landmarks> LandmarksOf(const score::Response& measured, double apart_hz);
-/// Of MeasuredResponse. What counts there is how far the output lies above its noise: a sharp resonance rings on after
-/// the input has passed, and has little coherence within the width that a chirp is smoothed over.
-Result<Landmarks> MeasuredLandmarks(const EstimationProblem& problem);
-
-/// Relative errors of the frequencies: the model's undamped eigenfrequencies and zeros that come closest in this order.
-/// One that the model does not have counts as kMissing.
-std::unique_ptr<Objective> FrequencyObjective(const EstimationProblem& problem, Landmarks measured);
-/// Relative errors of the gains at the practical resonances.
-std::unique_ptr<Objective> GainObjective(const EstimationProblem& problem, Landmarks measured);
-
-/// Of `offered`, rising, the one that stands for each of `wanted`, rising: in this order, no two for the same, least
-/// sum of abs(log(offered / wanted)), at most kMissing each; -1: none.
-std::vector<int> Assigned(const std::vector<double>& wanted, const std::vector<double>& offered);
-inline constexpr double kMissing = 0.5;
 
 }  // namespace dynoproof::identification

@@ -2,11 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "tests/support/noisy_record.h"
-#include "tests/support/program.h"
-#include "trace/csv_write.h"
+#include "tests/acceptance/identify_line.h"
 
 namespace dynoproof::test {
 namespace {
@@ -14,44 +10,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-class Identify : public ::testing::Test {
- protected:
-  /// Of line.toml with `changes`, from 0 to 400 Hz in `seconds`; noise of 1 % of what it swings on the outputs.
-  void Record(const std::vector<std::string>& changes = {}, double seconds = 1.0) {
-    std::vector<std::string> run = {"line.toml", "--set", "run.duration_s=" + std::to_string(seconds), "--set",
-                                    "input.T_airgap.source.rate_Hz_per_s=" + std::to_string(400.0 / seconds)};
-    for (const std::string& change : changes) run.insert(run.end(), {"--set", change});
-    const std::vector<trace::Column> columns =
-        NoisyRecord(bench_, run, "out/line.h5", {"T_airgap"}, {"T_shaft", "omega_1"});
-    ASSERT_FALSE(trace::WriteCsv(bench_ / "record.csv", columns));
-  }
-  std::vector<std::string> Words(const std::vector<std::string>& more) const {
-    std::vector<std::string> words = {"identify", "line.toml", "--data", "record.csv", "--set", "analysis.to_Hz=390"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  }
-  Outcome Call(const std::vector<std::string>& more) const { return bench_.Call(Words(more)); }
-  nlohmann::json Json(const std::vector<std::string>& more) const { return bench_.Json(Words(more)); }
-  /// The last shaft and its inertia, wherever they lie: what the search starts from is a third of the truth, or three
-  /// times it. The record's angular speed fixes the size of all.
-  std::vector<std::string> FarOff(std::vector<std::string> more) const {
-    more.insert(more.end(), {"--free", kInertia, "--free", kStiffness, "--bound", kInertia + "=0.01:10", "--bound",
-                             kStiffness + "=1e4:1e7", "--set", kInertia + "=1.5", "--set", kStiffness + "=8e4"});
-    return more;
-  }
-  static void ExpectFound(const nlohmann::json& result, double within) {
-    EXPECT_NEAR(result["parameters"][kInertia]["value"].get<double>(), 0.5, 0.5 * within) << result.dump(1);
-    EXPECT_NEAR(result["parameters"][kStiffness]["value"].get<double>(), 2.5e5, 2.5e5 * within);
-  }
-  static void ExpectInside(const nlohmann::json& found, double value) {
-    ASSERT_FALSE(found["ci95"].is_null()) << found.dump();
-    EXPECT_LT(found["ci95"][0], value) << found.dump();
-    EXPECT_GT(found["ci95"][1], value) << found.dump();
-  }
-
-  static inline const std::string kInertia = "plant.inertia.I3", kStiffness = "plant.shaft.k2.stiffness_Nm_per_rad";
-  Bench bench_;
-};
+using Identify = IdentifyLine;
 
 TEST_F(Identify, FindsANumberWithinItsInterval) {
   Record({"plant.inertia.I3=0.55"});
@@ -72,7 +31,6 @@ TEST_F(Identify, FromFarOffAFreeRunIsLostAndASpectrumIsNot) {
 TEST_F(Identify, AFrequencyResponseFindsWhatIsFarOffWithoutARun) {
   Record({}, 10.0);
   ExpectFound(Json(FarOff({"--method", "response"})), 0.02);
-  ExpectFound(Json(FarOff({"--method", "two_stage"})), 0.02);
 }
 
 TEST_F(Identify, SeveralStartsFindWhatOneDoesNot) {
@@ -81,16 +39,6 @@ TEST_F(Identify, SeveralStartsFindWhatOneDoesNot) {
   ExpectFound(result, 0.01);
   ExpectInside(result["parameters"][kInertia], 0.5);
   EXPECT_LT(result["converged"], 6);
-}
-
-TEST_F(Identify, TwoStagesFindADampingByTheHeightOfAResonance) {
-  Record({}, 10.0);
-  const std::string damping = "plant.shaft.k2.damping_Nms_per_rad";
-  const nlohmann::json result =
-      Json({"--method", "two_stage", "--free", damping, "--bound", damping + "=0:100", "--set", damping + "=0"});
-  // What is smoothed over half a hertz loses a few percent of a resonance's height.
-  EXPECT_NEAR(result["parameters"][damping]["value"].get<double>(), 6.0, 0.3) << result.dump(1);
-  EXPECT_TRUE(result["parameters"][damping]["ci95"].is_null());
 }
 
 TEST_F(Identify, WhatOneFactorChangesIsNotToldApart) {
@@ -121,12 +69,10 @@ TEST_F(Identify, WhatTheDataDoNotSeeHasNoInterval) {
 
 TEST_F(Identify, AResponseIsThatOfTheLineWithoutStages) {
   Record();
-  for (const char* method : {"response", "two_stage"}) {
-    const Outcome outcome = Call({"--set", R"(output.T_shaft.sensor=[{type="first_order_lag",tau_s=0.0005}])", "--free",
-                                  kInertia, "--method", method});
-    EXPECT_EQ(outcome.exit, 2) << method;
-    EXPECT_THAT(outcome.err, HasSubstr("output.T_shaft.sensor is no part")) << method;
-  }
+  const Outcome outcome = Call({"--set", R"(output.T_shaft.sensor=[{type="first_order_lag",tau_s=0.0005}])", "--free",
+                                kInertia, "--method", "response"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("output.T_shaft.sensor is no part"));
 }
 
 TEST_F(Identify, AConstantOutputIsNothingToCompare) {
@@ -227,12 +173,10 @@ TEST_F(Identify, AResponseNeedsADriveLineWithOne) {
   std::string text = Bench::kLine;
   text.replace(text.find("[analysis]"), text.find("[[check]]") - text.find("[analysis]"), "");
   bench_.Write("without.toml", text);
-  for (const char* method : {"response", "two_stage"}) {
-    const Outcome outcome =
-        bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", method});
-    EXPECT_EQ(outcome.exit, 2) << method;
-    EXPECT_THAT(outcome.err, HasSubstr("needs [analysis]")) << method;
-  }
+  const Outcome outcome =
+      bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", "response"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("needs [analysis]"));
 }
 
 }  // namespace

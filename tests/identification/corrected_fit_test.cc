@@ -53,7 +53,7 @@ TEST(SlowCorrectedFit, FindsSixNumbersOffByHalf) {
   for (const std::uint64_t seed : {4U, 5U, 6U}) {
     const FarOff line(1.5, seed);
     const Result<Identified> found =
-        Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, IdentifyMethod::kCorrected});
+        Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, "corrected"});
     ASSERT_TRUE(found.ok()) << found.failure().ToString();
     const auto [near, inside] = Hits(*found, line.truth, 0.01);
     EXPECT_EQ(near, 6) << seed;
@@ -71,10 +71,10 @@ TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
   int corrected = 0, free_run = 0;
   for (const std::uint64_t seed : {2U, 4U, 6U}) {
     const FarOff line(2.0, seed);
-    for (const IdentifyMethod method : {IdentifyMethod::kCorrected, IdentifyMethod::kFreeRun}) {
+    for (const std::string method : {"corrected", "free_run"}) {
       const Result<Identified> found = Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, method});
       ASSERT_TRUE(found.ok()) << found.failure().ToString();
-      (method == IdentifyMethod::kCorrected ? corrected : free_run) += Hits(*found, line.truth, 0.01).first == 6;
+      (method == "corrected" ? corrected : free_run) += Hits(*found, line.truth, 0.01).first == 6;
     }
   }
   EXPECT_EQ(corrected, 3);
@@ -103,7 +103,7 @@ TEST(CorrectedFit, ANumberThatDiffersFromRecordToRecordHasItsValueInEach) {
   Plan nominal = Rubbing(3.0, 2.0);
   *nominal.root.FindPath("plant.inertia.I") = Value(2.2);
   const IdentifyOptions options = {{{"plant.inertia.I", std::nullopt}, {"plant.load.friction.T_c_Nm", std::nullopt}},
-                                   IdentifyMethod::kCorrected};
+                                   "corrected"};
   const Result<Identified> one = Identify(nominal, records, testing::BuiltIns(), options);
   ASSERT_TRUE(one.ok()) << one.failure().ToString();
   EXPECT_TRUE(one->of_records.empty());
@@ -134,10 +134,9 @@ TEST(SlowCorrectedFit, OfAnInexactModelTellsHowMuchIsUnknown) {
   nominal.root.FindPath("plant.load.friction")->operator[]("T_c_Nm") = Value(0.0);
   *nominal.root.FindPath("plant.inertia.I") = Value(2.6);
   const MappedRecord record = RecordOf(truth, 0.002, {"w"});
-  const Result<Identified> found =
-      Identify(nominal, {record}, testing::BuiltIns(),
-               {{{"plant.inertia.I", std::nullopt}, {"plant.load.friction.T_c_Nm", std::pair(0.0, 50.0)}},
-                IdentifyMethod::kCorrected});
+  const Result<Identified> found = Identify(
+      nominal, {record}, testing::BuiltIns(),
+      {{{"plant.inertia.I", std::nullopt}, {"plant.load.friction.T_c_Nm", std::pair(0.0, 50.0)}}, "corrected"});
   ASSERT_TRUE(found.ok()) << found.failure().ToString();
   ASSERT_TRUE(found->level.has_value());
   EXPECT_TRUE(found->level->memory_s.has_value());
@@ -165,7 +164,7 @@ TEST(SlowCorrectedFit, FindsTheFrictionOfAMeasuredServoAxis) {
                                               {"plant.load.friction.T_c_neg_Nm", bound},
                                               {"plant.load.friction.b_pos_Nms_per_rad", std::nullopt},
                                               {"plant.load.friction.b_neg_Nms_per_rad", std::nullopt}},
-                                             IdentifyMethod::kCorrected});
+                                             "corrected"});
   ASSERT_TRUE(found.ok()) << found.failure().ToString();
   // Published (Janot, Gautier, Brunot 2019, by direction): what another estimator finds in the same record.
   const std::vector<double> published = {95.11, 20.14, 20.63, 166.7, 240.4};

@@ -222,11 +222,9 @@ class RecordProperty : public ::testing::Test {
   }
 
   Result<Identified> Identify(const MappedRecord& record) {
-    return IdentifyBetween(*plan_, {record}, registry_,
-                           {{{"plant.inertia.I3", {}}, {"plant.shaft.k1.stiffness_Nm_per_rad", {}}},
-                            IdentifyMethod::kFreeRun,
-                            1,
-                            [](double) {}});
+    return IdentifyBetween(
+        *plan_, {record}, registry_,
+        {{{"plant.inertia.I3", {}}, {"plant.shaft.k1.stiffness_Nm_per_rad", {}}}, "free_run", 1, [](double) {}});
   }
 
   test::TempDir folder_;

@@ -57,10 +57,8 @@ class Suspects : public testing::Test {
 
   /// What a fit of the record says it may be.
   std::vector<std::string> Said(const MappedRecord& record) {
-    const IdentifyOptions options = {{{"plant.inertia.I3", {}}, {"plant.shaft.k1.stiffness_Nm_per_rad", {}}},
-                                     IdentifyMethod::kFreeRun,
-                                     1,
-                                     [](double) {}};
+    const IdentifyOptions options = {
+        {{"plant.inertia.I3", {}}, {"plant.shaft.k1.stiffness_Nm_per_rad", {}}}, "free_run", 1, [](double) {}};
     const Result<Identified> found = Identify(*plan_, {record}, registry_, options);
     EXPECT_TRUE(found.ok());
     if (!found.ok()) return {"failed"};

@@ -81,7 +81,7 @@ TEST_P(SlowTwentyCases, ComesBack) {
   }
   const auto seed = static_cast<std::uint64_t>(GetParam() + 1);
   const MappedRecord record = estimation::RecordOf(truth, 0.005, one.outputs, seed);
-  const Result<Identified> found = Identify(nominal, {record}, testing::BuiltIns(), {free, IdentifyMethod::kCorrected});
+  const Result<Identified> found = Identify(nominal, {record}, testing::BuiltIns(), {free, "corrected"});
   ASSERT_TRUE(found.ok()) << found.failure().ToString();
   for (const IdentifiedValue& value : found->values) {
     EXPECT_NEAR(value.value / truth.root.FindPath(value.key)->number(), 1.0, 0.03) << value.key;
