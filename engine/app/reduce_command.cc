@@ -166,6 +166,9 @@ int Reduce(const ReduceArguments& arguments) {
   if (file) plan = LoadPlan(*file, arguments.overrides, diagnostics);
   std::optional<Plan> good;
   if (file && !arguments.overrides.empty()) good = LoadPlan(*file, {}, diagnostics);
+  // What `run` would refuse has no failing check.
+  if (const auto prepared = plan ? Prepare(*plan, {}, *registry, diagnostics) : nullptr; prepared != nullptr)
+    ChecksApply(prepared->checks, prepared->plan, *prepared->rig, diagnostics);
   if (Report(diagnostics) != kGood || !plan) return kUsage;
   if (!CanWrite({arguments.out, arguments.common.json})) return kBroken;
   std::error_code error;

@@ -149,7 +149,10 @@ class Reducer {
 
   std::unique_ptr<Prepared> Built(const Plan& plan) const {
     Diagnostics refused;
-    return Prepare(plan, {}, registry_, refused);
+    std::unique_ptr<Prepared> prepared = Prepare(plan, {}, registry_, refused);
+    // As `run`: an oracle that cannot take the plan is a fault of the file.
+    if (prepared != nullptr && !ChecksApply(prepared->checks, prepared->plan, *prepared->rig, refused)) return nullptr;
+    return prepared;
   }
 
   /// The run of a plan, beside one that it is compared with where `was` is given or the other program makes it; nothing where it

@@ -191,6 +191,12 @@ class OnALine(unittest.TestCase):
         self.assertIn("is the record itself", run(self.folder, "reduce", "bare.toml", "--data", "falls.csv", "--out", "falls.csv", code=2))
 
     def test_reduce_says_what_fails_and_overwrites_no_scenario(self):
+        # What `run` refuses is no failing check: an oracle that knows no friction.
+        oracle = '\n[[check]]\nkind = "oracle"\noracle = "held_input_exponential"\nsignal = "T_shaft"\nnrmse = 1e-6\norigin = "goal"\n'
+        (self.folder / "oracle.toml").write_text(self.bare + oracle)
+        rub = 'plant.load.rub={ on = "I2", law = "coulomb", T_c_Nm = 1.0 }'
+        for command in ("run", "reduce"):
+            self.assertIn("does not apply", run(self.folder, command, "oracle.toml", "--set", rub, code=2))
         self.assertIn("no check fails", run(self.folder, "reduce", "line.toml", code=1))
         self.assertIn("these fail: golden", run(self.folder, "reduce", "line.toml", "--set", "plant.inertia.I3=0.6", "--check", "peak",
                                                 code=1))
