@@ -4,7 +4,7 @@ program (tests/mutants) beside the sound program, and of faults drawn at random 
 
   ci/reductions.py build/dynoproof --mutants build/tests/mutants [NAME ...]    the seeded faults
   ci/reductions.py build/dynoproof --random 40 [--first 0]                     faults drawn from seeds 0, 1, ... until 40 fail a check
-  ci/reductions.py --write                   the tables in engine/reduce/README.md; `--check`: 1 where they are others
+  ci/reductions.py --write                   tables in engine/reduce/README.md, a summary in README.md; `--check`: 1 where they are others
 
 Figures are kept in engine/reduce/reductions.json, as they come; what is there is not done again. The fault is the same one where what
 is left fails the same check, and passes it without the fault: with the sound program, or with the old value, or without the effect."""
@@ -79,7 +79,7 @@ def reduced(program, scenario, settings, check, sound, folder):
 
 def figures(document, small, same, what, scenario):
     return {"what": what, "scenario": scenario, "check": document["check"], "lines": document["lines"], "values": document["values"],
-            "seconds": document["seconds"], "runs": document["runs"], "same": same, "left": small.read_text()}
+            "seconds": document["seconds"], "runs": document["runs"], "same": same, "left": small.read_text().split("\n", 1)[1]}
 
 
 def of_seeded(program, mutants, one):
@@ -164,17 +164,23 @@ def table(rows):
     return lines
 
 
-def page(kept):
-    seeded = list(kept["seeded"].values())
+def rows_of(kept):
     at_random = [one for _, one in sorted(kept["random"].items(), key=lambda item: int(item[0])) if one is not None]
-    passing = len(kept["random"]) - len(at_random)
-    text = []
-    if seeded:
-        text += [summary(seeded, "Of the seeded faults, beside the sound program,"), "", *table(seeded), ""]
+    return list(kept["seeded"].values()), at_random
+
+
+def summaries(kept):
+    seeded, at_random = rows_of(kept)
+    return ([summary(seeded, "- Of seeded faults in the program")] if seeded else []) + (
+        [summary(at_random, "- Of faults drawn at random in a scenario")] if at_random else [])
+
+
+def page(kept):
+    seeded, at_random = rows_of(kept)
+    text = ["\n".join(summaries(kept)), "", *table(seeded)]
     if at_random:
-        text += [summary(at_random, "Of faults drawn at random"),
-                 f"Another {passing} that were drawn fail no check, or cannot be built.", "", *table(at_random)]
-    return text
+        text += ["", f"Drawn at random; another {len(kept['random']) - len(at_random)} fail no check, or are refused:", "", *table(at_random)]
+    return "\n".join(text).split("\n")
 
 
 def results():
@@ -200,9 +206,11 @@ def main():
     options = parser.parse_args()
     kept = results()
     if options.write:
-        return block.write(PAGE, "reductions", page(kept))
+        block.write(PAGE, "reductions", page(kept))
+        return block.write("README.md", "reduced", summaries(kept))
     if options.check:
-        return f"{PAGE} says otherwise: ci/reductions.py --write" if block.read(PAGE, "reductions") != page(kept) else None
+        same = block.read(PAGE, "reductions") == page(kept) and block.read("README.md", "reduced") == summaries(kept)
+        return None if same else f"{PAGE} or README.md says otherwise: ci/reductions.py --write"
     if not options.program:
         parser.error("a program is needed")
     program = str(pathlib.Path(options.program).resolve())
