@@ -93,12 +93,11 @@ class Bisection {
                                fmt::join(names, ", ")),
                    kUsage);
     }
+    good_trace_ = TraceOf(good_);
     const auto& series = commits_.series();
     const history::FirstChange change = history::FindFirstChange(series.size(), [&](std::size_t i) {
       const Outcome outcome = At(series[i]);
-      const Look look = !outcome.cannot.empty()   ? Look::kCannot
-                        : Changed(good_, outcome) ? Look::kChanged
-                                                  : Look::kSame;
+      const Look look = !outcome.cannot.empty() ? Look::kCannot : Changed(outcome) ? Look::kChanged : Look::kSame;
       Say(series[i], look, outcome);
       return look;
     });
@@ -205,8 +204,8 @@ class Bisection {
     return read.ok() ? std::optional(*std::move(read)) : std::nullopt;
   }
 
-  std::vector<score::Check> Compared(const Outcome& a, const Outcome& b) const {
-    const auto left = TraceOf(a), right = TraceOf(b);
+  std::vector<score::Check> Compared(const std::optional<trace::Trace>& left, const Outcome& b) const {
+    const auto right = TraceOf(b);
     if (!left || !right) return {};
     std::vector<score::Check> checks = CompareTraces(*left, *right, {}, "trace");
     std::erase_if(checks, [](const score::Check& check) { return check.verdict == score::Verdict::kPass; });
@@ -223,13 +222,15 @@ class Bisection {
     return apart;
   }
 
-  bool Changed(const Outcome& a, const Outcome& b) const {
+  /// Whether the run is not like that of the good commit.
+  bool Changed(const Outcome& b) const {
+    const Outcome& a = good_;
     if (!arguments_.check.empty()) {
       const auto of = b.checks.find(arguments_.check);
       return of == b.checks.end() || of->second != a.checks.at(arguments_.check);
     }
     return a.verdict != b.verdict || a.Failing() != b.Failing() || !CountersApart(a, b).empty() ||
-           !Compared(a, b).empty();
+           !Compared(good_trace_, b).empty();
   }
 
   /// "as if stiffness_change at shaft:k3: delta = -0.011": one run diagnosed as a record of the other's model.
@@ -272,7 +273,7 @@ class Bisection {
       if (left && right) scenario = ChangesBetween(*left, *right);
     }
     std::vector<std::string> causes;
-    for (const score::Check& check : Compared(before, after)) {
+    for (const score::Check& check : Compared(was, after)) {
       const std::string said = check.cause.empty() ? check.shown : check.cause;
       causes.push_back(
           fmt::format("{}: {}", check.name.substr(check.name.find(' ') + 1), said.empty() ? check.explanation : said));
@@ -338,6 +339,7 @@ class Bisection {
   fs::path work_;
   std::string scenario_, build_, program_;
   Outcome good_;
+  std::optional<trace::Trace> good_trace_;  // read once: each look compares with it
   std::map<std::string, Outcome> outcomes_;
   int builds_ = 0;
 };

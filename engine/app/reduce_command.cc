@@ -8,13 +8,16 @@
 #include "app/app.h"
 #include "app/interruption.h"
 #include "app/one_scenario.h"
+#include "app/reduce_record.h"
 #include "app/scratch.h"
 #include "base/process.h"
 #include "base/text.h"
 #include "experiment/golden.h"
 #include "experiment/run_scenario.h"
 #include "reduce/reduce.h"
+#include "reduce/short_form.h"
 #include "scenario/load.h"
+#include "trace/trace_io.h"
 
 namespace dynoproof::app {
 namespace {
@@ -23,7 +26,7 @@ namespace fs = std::filesystem;
 
 struct ReduceArguments {
   Common common;
-  std::string scenario, check, out = "reduced.toml", sound;
+  std::string scenario, check, out, sound, data, map;
   std::vector<std::string> overrides;
   int most_runs = 100;
 };
@@ -42,23 +45,82 @@ void MoveFiles(Value& value, const fs::path& from, const fs::path& to) {
   }
 }
 
-/// The golden trace of the blessed scenario with the same taken out, and what the other solver makes of it.
-int WriteReducedGolden(const reduce::Reduced& reduced, const std::string& of, const GoldenPlace& place,
-                       const Registry& registry) {
-  Diagnostics diagnostics;
-  PrepareOptions other;
-  other.solver = reduced.before->root.TextOr("run.solver", "realtime") == "reference" ? "realtime" : "reference";
-  const auto own = Prepare(*reduced.before, {}, registry, diagnostics);
-  const auto others = Prepare(*reduced.before, other, registry, diagnostics);
-  if (own == nullptr || others == nullptr) return Report(diagnostics);
-  const Result<Course> course = Play(*own), beside = Play(*others);
-  for (const Result<Course>* one : {&course, &beside}) {
-    if (one->ok()) continue;
-    Complain(one->failure().ToString() + "\n");
-    return kBroken;
+/// What another program makes of a plan: it runs a file of it in a folder of its own.
+class OtherProgram {
+ public:
+  OtherProgram(std::string program, const Scratch& scratch) : program_(std::move(program)), folder_(scratch.folder()) {}
+
+  /// Whether it passes the check of the plan; without a name, whether its run ends. A run that breaks passes nothing.
+  bool Passes(const Plan& plan, const std::string& check) const {
+    const nlohmann::json scenario = Run(plan, "");
+    if (!scenario.is_object() || scenario.value("verdict", "") == "broken") return false;
+    if (check.empty()) return true;  // a run that breaks here, and not there
+    for (const nlohmann::json& one : scenario.value("checks", nlohmann::json::array())) {
+      if (one.value("name", "") == check) return one.value("verdict", "") == "pass";
+    }
+    return false;
   }
-  const Status failed = WriteGolden(place, {course->trace, beside->trace, StatedChecks(reduced.plan),
-                                            fmt::format("what is left of {} as it was blessed", of)});
+
+  std::optional<trace::Trace> TraceOf(const Plan& plan, const std::string& solver = "") const {
+    const nlohmann::json scenario = Run(plan, solver);
+    if (!scenario.is_object() || scenario.value("trace", "").empty()) return std::nullopt;
+    Result<trace::Trace> trace = trace::ReadTrace(scenario.value("trace", ""));
+    return trace.ok() ? std::optional(*std::move(trace)) : std::nullopt;
+  }
+
+ private:
+  nlohmann::json Run(const Plan& plan, const std::string& solver) const {
+    Value root = plan.root;
+    MoveFiles(root, fs::absolute(plan.file).parent_path(), folder_);
+    const std::string file = (folder_ / "tried.toml").string(), json = (folder_ / "tried.json").string();
+    if (WriteText(file, ToToml(root)) != kGood) return nullptr;
+    std::error_code error;
+    fs::remove(json, error);
+    std::vector<std::string> words = {program_, "run", file, "--out", (folder_ / "out").string(), "--json", json};
+    if (!solver.empty()) words.insert(words.end(), {"--solver", solver});
+    RunProgram(words, ErrorLines::kDropped);
+    const auto document = nlohmann::json::parse(ReadTextFile(json).value_or(""), nullptr, false);
+    if (!document.is_object() || document.value("scenarios", nlohmann::json::array()).size() != 1) return nullptr;
+    return document["scenarios"][0];
+  }
+
+  std::string program_;
+  fs::path folder_;
+};
+
+/// The run that a reduced golden check compares with, and what the other solver makes of it: of the blessed scenario with the same
+/// taken out, or the other program's.
+int WriteReducedGolden(const reduce::Reduced& reduced, const std::string& of, const GoldenPlace& place,
+                       const Registry& registry, const OtherProgram& sound) {
+  const Plan& plan = reduced.before ? *reduced.before : reduced.plan;
+  const std::string other = plan.root.TextOr("run.solver", "realtime") == "reference" ? "realtime" : "reference";
+  std::vector<trace::Trace> traces;
+  for (const std::string& solver : {std::string(), other}) {
+    if (reduced.beside_sound) {
+      std::optional<trace::Trace> trace = sound.TraceOf(plan, solver);
+      if (!trace) {
+        Complain("the other program gives no trace of what is left\n");
+        return kBroken;
+      }
+      traces.push_back(*std::move(trace));
+      continue;
+    }
+    Diagnostics diagnostics;
+    PrepareOptions options;
+    options.solver = solver;
+    const auto prepared = Prepare(plan, options, registry, diagnostics);
+    if (prepared == nullptr) return Report(diagnostics);
+    Result<Course> course = Play(*prepared);
+    if (!course.ok()) {
+      Complain(course.failure().ToString() + "\n");
+      return kBroken;
+    }
+    traces.push_back(std::move(course->trace));
+  }
+  const Status failed =
+      WriteGolden(place, {traces[0], traces[1], StatedChecks(reduced.plan),
+                          reduced.beside_sound ? fmt::format("what is left of {} by the other program", of)
+                                               : fmt::format("what is left of {} as it was blessed", of)});
   if (failed) Complain(failed->ToString() + "\n");
   return failed ? kBroken : kGood;
 }
@@ -66,19 +128,20 @@ int WriteReducedGolden(const reduce::Reduced& reduced, const std::string& of, co
 /// The golden data beside the reduced scenario: the run of the one that was blessed, with the same taken out and the tolerances that
 /// it had; or, where only time was taken out, those that there were. Made elsewhere, so that nothing half has a final name.
 int WriteGoldenBeside(const reduce::Reduced& reduced, const Plan& scenario, const std::string& out,
-                      const Scratch& scratch, const Registry& registry) {
+                      const Scratch& scratch, const Registry& registry, const OtherProgram& sound) {
   if (reduced.first.stated != GoldenCheck::kName) return kGood;
   Plan there = reduced.plan;
   there.id = fs::path(out).stem().string();
   there.file = out;
   const GoldenPlace to = GoldenPlaceOf(there);
   GoldenPlace from = GoldenPlaceOf(scenario);
-  if (reduced.before) {
+  if (reduced.before || reduced.beside_sound) {
     there.file = (scratch.folder() / fs::path(out).filename()).string();
     const GoldenPlace made = GoldenPlaceOf(there);
     if (const auto bytes = ReadTextFile(from.tolerances); bytes && WriteText(made.tolerances, *bytes) != kGood)
       return kBroken;
-    if (const int written = WriteReducedGolden(reduced, scenario.id, made, registry); written != kGood) return written;
+    if (const int written = WriteReducedGolden(reduced, scenario.id, made, registry, sound); written != kGood)
+      return written;
     from = made;
   }
   for (const auto& [a, b] : {std::pair(from.trace, to.trace), std::pair(from.tolerances, to.tolerances)}) {
@@ -95,34 +158,17 @@ std::string ShownBy(const score::Check& check) {
                      check.limit);
 }
 
-/// Whether a program passes the check of a plan: it runs a file of it in a folder of its own. A run that breaks passes nothing.
-bool PassesWith(const std::string& program, const Plan& plan, const std::string& check, const Scratch& scratch) {
-  Value root = plan.root;
-  MoveFiles(root, fs::absolute(plan.file).parent_path(), scratch.folder());
-  const std::string file = (scratch.folder() / "tried.toml").string(),
-                    json = (scratch.folder() / "tried.json").string();
-  if (WriteText(file, ToToml(root)) != kGood) return false;
-  std::error_code error;
-  fs::remove(json, error);
-  RunProgram({program, "run", file, "--out", (scratch.folder() / "out").string(), "--json", json},
-             ErrorLines::kDropped);
-  const auto document = nlohmann::json::parse(ReadTextFile(json).value_or(""), nullptr, false);
-  if (!document.is_object() || document.value("scenarios", nlohmann::json::array()).size() != 1) return false;
-  const nlohmann::json& scenario = document["scenarios"][0];
-  if (scenario.value("verdict", "") == "broken") return false;
-  if (check.empty()) return true;  // a run that breaks here, and not there
-  for (const nlohmann::json& one : scenario.value("checks", nlohmann::json::array())) {
-    if (one.value("name", "") == check) return one.value("verdict", "") == "pass";
-  }
-  return false;
-}
-
 int Reduce(const ReduceArguments& arguments) {
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
   const std::optional<std::string> file = OneScenario(arguments.scenario, diagnostics);
   std::optional<Plan> plan;
   if (file) plan = LoadPlan(*file, arguments.overrides, diagnostics);
+  std::optional<Plan> good;
+  if (file && !arguments.overrides.empty()) good = LoadPlan(*file, {}, diagnostics);
+  // What `run` would refuse has no failing check.
+  if (const auto prepared = plan ? Prepare(*plan, {}, *registry, diagnostics) : nullptr; prepared != nullptr)
+    ChecksApply(prepared->checks, prepared->plan, *prepared->rig, diagnostics);
   if (Report(diagnostics) != kGood || !plan) return kUsage;
   if (!CanWrite({arguments.out, arguments.common.json})) return kBroken;
   std::error_code error;
@@ -131,13 +177,14 @@ int Reduce(const ReduceArguments& arguments) {
     return kUsage;
   }
   const Interruption interruption(arguments.common, [] { return std::string("nothing was written"); });
-  reduce::Options options{.check = arguments.check, .most_runs = arguments.most_runs};
+  reduce::Options options{.check = arguments.check, .good = std::move(good), .most_runs = arguments.most_runs};
   const Scratch scratch("reduce");
   if (!scratch.ok()) return kBroken;
-  if (!arguments.sound.empty())
-    options.sound = [&](const Plan& tried, const std::string& check) {
-      return PassesWith(arguments.sound, tried, check, scratch);
-    };
+  const OtherProgram sound(arguments.sound, scratch);
+  if (!arguments.sound.empty()) {
+    options.sound = [&](const Plan& tried, const std::string& check) { return sound.Passes(tried, check); };
+    options.sound_trace = [&](const Plan& tried) { return sound.TraceOf(tried); };
+  }
   options.progress = [&](const std::string& what, int runs) {
     ShowProgress(fmt::format("run {}: without {}", runs, what),
                  static_cast<double>(runs) / static_cast<double>(arguments.most_runs));
@@ -154,14 +201,16 @@ int Reduce(const ReduceArguments& arguments) {
   const std::string head =
       fmt::format("# What is left of {} that still fails \"{}\": {}\n", plan->id, reduced->check, again);
   // The scenario last: what it is compared with is there by then.
-  if (const int golden = WriteGoldenBeside(*reduced, *plan, arguments.out, scratch, *registry); golden != kGood)
+  if (const int golden = WriteGoldenBeside(*reduced, *plan, arguments.out, scratch, *registry, sound); golden != kGood)
     return golden;
-  if (const int written = WriteText(arguments.out, head + ToToml(reduced->plan.root)); written != kGood) return written;
+  const std::string left = reduce::ShortForm(reduced->plan.root);
+  if (const int written = WriteText(arguments.out, head + left); written != kGood) return written;
 
-  const std::size_t lines = reduced->steps.empty() ? reduced->lines_before : reduced->steps.back().lines;
+  const std::size_t lines = reduce::LinesOf(left), values = reduce::ValuesOf(reduced->plan.root);
   const double seconds = reduced->plan.root.NumberOr("run.duration_s", reduced->seconds_before);
-  std::string text = fmt::format("{}: {} of {} lines and {:.3g} of {:.3g} s still fail \"{}\"\n", plan->id, lines,
-                                 reduced->lines_before, seconds, reduced->seconds_before, reduced->check);
+  std::string text = fmt::format("{}: {} of {} lines, {} of {} values and {:.3g} of {:.3g} s still fail \"{}\"\n",
+                                 plan->id, lines, reduced->lines_before, values, reduced->values_before, seconds,
+                                 reduced->seconds_before, reduced->check);
   text += fmt::format("  before  {}\n  now     {}\n\n{:>7}{:>11}  taken out\n", ShownBy(reduced->first),
                       ShownBy(reduced->last), "lines", "s");
   nlohmann::json steps = nlohmann::json::array();
@@ -169,6 +218,7 @@ int Reduce(const ReduceArguments& arguments) {
     text += fmt::format("{:>7}{:>11.3g}  {}\n", step.lines, step.seconds, step.what);
     steps.push_back({{"taken_out", step.what}, {"lines", step.lines}, {"seconds", step.seconds}});
   }
+  text += fmt::format("{:>7}{:>11.3g}  what fits on a line stands on one\n", lines, seconds);
   text += fmt::format("\n{} runs{}; {}\n", reduced->runs,
                       reduced->complete ? "" : ", and more would take more out: --most-runs", again);
   Print(arguments.common, text);
@@ -176,6 +226,7 @@ int Reduce(const ReduceArguments& arguments) {
             {"check", reduced->check},
             {"scenario", arguments.out},
             {"lines", {{"before", reduced->lines_before}, {"after", lines}}},
+            {"values", {{"before", reduced->values_before}, {"after", values}}},
             {"seconds", {{"before", reduced->seconds_before}, {"after", seconds}}},
             {"runs", reduced->runs},
             {"complete", reduced->complete},
@@ -192,18 +243,30 @@ void AddReduce(CLI::App& program, int& exit) {
   command->add_option("--check", arguments->check, "name of the failing check, or its kind (default: the worst)");
   command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
       ->allow_extra_args(false);
-  command->add_option(
-      "--sound", arguments->sound,
-      "a program that passes the check, as the last release: it must pass what is left, too (no golden check)");
-  command->add_option("--out", arguments->out, "the scenario that is left (default reduced.toml)")->check(NamesFile());
+  command->add_option("--sound", arguments->sound,
+                      "a program that passes the check, as the last release: it must pass what is left, too");
+  CLI::Option* data = command->add_option("--data", arguments->data,
+                                          "a record with which `run --data` falls short or of which `check-data` says "
+                                          "a fault: its shortest cut that still does");
+  command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)")->needs(data);
+  command->add_option("--out", arguments->out, "what is left (default reduced.toml, with --data reduced.csv)")
+      ->check(NamesFile());
   command->add_option("--most-runs", arguments->most_runs, "what is left after so many runs stands (default 100)")
       ->check(CLI::Range(1, 100000));
   AddCommon(*command, arguments->common);
   AddExamples(*command,
               "  dynoproof reduce line.toml\n"
               "  dynoproof reduce line.toml --sound /usr/bin/dynoproof\n"
+              "  dynoproof reduce line.toml --data bench.csv --map bench.map.toml --check \"nrmse T_shaft\"\n"
               "  dynoproof reduce backlash/clamped --check \"solvers T_shaft\" --out small.toml");
-  command->callback([arguments, &exit] { exit = Reduce(*arguments); });
+  command->callback([arguments, &exit] {
+    const bool record = !arguments->data.empty();
+    if (arguments->out.empty()) arguments->out = record ? "reduced.csv" : "reduced.toml";
+    exit = record ? ReduceRecord({arguments->scenario, arguments->data, arguments->map, arguments->check,
+                                  arguments->out, arguments->overrides, arguments->most_runs},
+                                 arguments->common)
+                  : Reduce(*arguments);
+  });
 }
 
 }  // namespace dynoproof::app

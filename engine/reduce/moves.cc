@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <span>
 #include <string_view>
 
 namespace dynoproof::reduce {
@@ -28,19 +28,14 @@ void Sweep(Value& value) {
   });
 }
 
-Move Without(const std::vector<std::string>& paths, std::string what) {
-  return {std::move(what), [paths](Value& root) {
-            bool any = false;
-            for (const std::string& path : paths) {
-              Value* value = root.FindPath(path);
-              if (value == nullptr || IsGone(*value)) continue;
-              *value = Value(kGone);
-              any = true;
-            }
-            return any;
+Move Without(const std::string& path) {
+  return {path, [path](Value& root) {
+            Value* value = root.FindPath(path);
+            if (value == nullptr || IsGone(*value)) return false;
+            *value = Value(kGone);
+            return true;
           }};
 }
-Move Without(const std::string& path) { return Without({path}, path); }
 
 /// The body of an end: "I1" of "I1.left".
 std::string BodyOf(std::string_view end) { return std::string(end.substr(0, end.find('.'))); }
@@ -66,6 +61,11 @@ void Rehang(Value& root, const std::string& from, const std::string& to) {
       }
     }
   }
+  if (Value* effects = root.Find("effect"); effects != nullptr && effects->is_array()) {
+    for (Value& effect : effects->array()) {
+      if (Value* at = effect.Find("at"); at != nullptr) Rename(*at, "inertia:" + from, "inertia:" + to);
+    }
+  }
   Value* outputs = root.Find("output");
   if (outputs == nullptr || !outputs->is_table()) return;
   for (Value::Entry& entry : outputs->table()) {
@@ -78,6 +78,109 @@ void Rehang(Value& root, const std::string& from, const std::string& to) {
       break;
     }
   }
+}
+
+/// A number or table that others name: "plant.inertia.I5" is "plant.I5" elsewhere, and "I5" within the plant.
+bool Names(const std::string& text, const std::string& holder, const std::string& path) {
+  const std::string first = path.substr(0, path.find('.')), last = path.substr(path.rfind('.') + 1);
+  const std::string full = first + "." + last;
+  if (text == full || text.starts_with(full + ".")) return true;
+  if (first == "plant") return (holder.starts_with("plant.") && BodyOf(text) == last) || text.ends_with(":" + last);
+  const bool by_signal = holder.starts_with("check.") || holder.starts_with("variant.") || holder == "analysis";
+  return (first == "input" || first == "output") && ((by_signal && text == last) || text == first + ":" + last);
+}
+
+bool NamesAny(const Value& value, const std::string& holder, const std::string& path) {
+  if (value.is_string()) return Names(value.string(), holder, path);
+  if (value.is_array())
+    return std::ranges::any_of(value.array(), [&](const Value& item) { return NamesAny(item, holder, path); });
+  return value.is_table() && std::ranges::any_of(value.table(), [&](const Value::Entry& entry) {
+           return NamesAny(entry.value, holder, path);
+         });
+}
+
+/// Everything that may name something else, or be named.
+std::vector<std::string> PartsOf(const Value& root) {
+  std::vector<std::string> paths;
+  for (const Value::Entry& section : root.table()) {
+    const bool list = section.value.is_array();
+    if (list && !section.value.array().empty() && section.value.array().front().is_table()) {
+      for (std::size_t i = 0; i < section.value.array().size(); ++i)
+        paths.push_back(fmt::format("{}.{}", section.key, i));
+    }
+    if (section.key == "analysis") paths.push_back(section.key);
+    if (!section.value.is_table() || section.key == "analysis" || section.key == "run") continue;
+    for (const Value::Entry& entry : section.value.table()) {
+      const std::string path = section.key + "." + entry.key;
+      if (section.key != "plant") paths.push_back(path);
+      if (section.key != "plant" || !entry.value.is_table()) continue;
+      for (const Value::Entry& part : entry.value.table()) paths.push_back(path + "." + part.key);
+    }
+  }
+  return paths;
+}
+
+/// Takes what names the part out of its holder where the holder can do without: of lists their items, and a loop that runs through
+/// it is opened. False: the holder goes as well.
+bool LetGo(Value& holder, const std::string& at, const std::string& path) {
+  if (!holder.is_table()) return false;
+  for (Value::Entry& entry : holder.table()) {
+    if (!NamesAny(entry.value, at, path)) continue;
+    if (entry.value.is_array() && entry.key != "between") {
+      std::erase_if(entry.value.array(), [&](const Value& item) { return NamesAny(item, at, path); });
+      if (entry.value.array().empty()) return false;
+    } else if (at.starts_with("input.") && entry.key == "from") {
+      entry = {"source", Value{{"type", "constant"}, {"value", 0.0}}, {}};
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The torques of the plant that an input may drive.
+std::vector<std::string> TorquesOf(const Value& input) {
+  std::vector<std::string> torques;
+  const Value* to = input.Find("to");
+  if (to == nullptr) return torques;
+  for (const Value& port : to->is_array() ? to->array() : Value::Array{*to}) {
+    if (port.is_string() && port.string().starts_with("plant."))
+      torques.push_back("plant.torque." + port.string().substr(6));
+  }
+  return torques;
+}
+
+/// A part goes with all that cannot be without it: with an inertia its shafts, what acts on it and what is seen of it. False where
+/// that takes what is kept.
+bool TakeWithAll(Value& root, const std::string& path, const std::vector<std::string>& kept) {
+  Value* part = root.FindPath(path);
+  if (part == nullptr || IsGone(*part)) return false;
+  const std::string section = path.substr(0, path.find('.')), name = path.substr(path.rfind('.') + 1);
+  if (section == "check" || ((section == "input" || section == "output") && std::ranges::count(kept, name) > 0))
+    return false;
+  // A torque that nothing drives any more goes, too.
+  std::vector<std::string> driven;
+  if (path.starts_with("plant.inputs.")) driven.push_back("plant.torque." + name);
+  if (section == "input") driven = TorquesOf(*part);
+  *part = Value(kGone);
+  for (const std::string& torque : driven) {
+    if (Value* one = root.FindPath(torque); one != nullptr) *one = Value(kGone);
+  }
+  for (const std::string& at : PartsOf(root)) {
+    Value* holder = root.FindPath(at);
+    if (holder == nullptr || IsGone(*holder) || !NamesAny(*holder, at, path) || LetGo(*holder, at, path)) continue;
+    if (!TakeWithAll(root, at, kept)) return false;
+  }
+  return true;
+}
+
+Move WithAll(const std::string& path, const std::vector<std::string>& kept) {
+  return {path, [path, kept](Value& root) {
+            Value without = root;
+            if (!TakeWithAll(without, path, kept)) return false;
+            root = std::move(without);
+            return true;
+          }};
 }
 
 /// A rotor of slices becomes one inertia: the modes within it are gone.
@@ -138,11 +241,10 @@ std::vector<Move> Sections(const Value& root) {
   std::vector<Move> moves;
   for (const Value::Entry& entry : root.table()) {
     if (entry.key == "run" || entry.key == "plant" || entry.key == "input" || entry.key == "output" ||
-        entry.key == "check" || entry.key == "effect" || entry.key == "control")
+        entry.key == "check" || entry.key == "effect" || entry.key == "control" || entry.key == "part")
       continue;
     moves.push_back(Without(entry.key));
   }
-  for (const Value::Entry& entry : TableAt(root, "control")) moves.push_back(Without("control." + entry.key));
   return moves;
 }
 
@@ -153,12 +255,7 @@ std::vector<Move> Signals(const Value& root, const std::vector<std::string>& kep
     if (!wanted(entry.key)) moves.push_back(Without("output." + entry.key));
   }
   for (const Value::Entry& entry : TableAt(root, "input")) {
-    if (wanted(entry.key)) continue;
-    std::vector<std::string> paths = {"input." + entry.key};
-    // With the torque that it drives.
-    const std::string to = entry.value.TextOr("to");
-    if (to.starts_with("plant.")) paths.push_back("plant.torque." + to.substr(6));
-    moves.push_back(Without(paths, paths.front()));
+    if (!wanted(entry.key)) moves.push_back(WithAll("input." + entry.key, kept));
   }
   for (const char* list : {"effect", "check"}) {
     const Value* items = root.Find(list);
@@ -169,6 +266,7 @@ std::vector<Move> Signals(const Value& root, const std::vector<std::string>& kep
   return moves;
 }
 
+/// Stages of actuators and sensors, and the pieces that a source adds up.
 std::vector<Move> Stages(const Value& root) {
   std::vector<Move> moves;
   for (const auto& [section, chain] : {std::pair("input", "actuator"), std::pair("output", "sensor")}) {
@@ -183,16 +281,72 @@ std::vector<Move> Stages(const Value& root) {
       for (std::size_t i = 0; i < stages->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", path, i)));
     }
   }
+  for (const Value::Entry& entry : TableAt(root, "input")) {
+    const std::string path = "input." + entry.key + ".source.sources";
+    const Value* pieces = root.FindPath(path);
+    if (pieces == nullptr || !pieces->is_array() || pieces->array().size() < 2) continue;
+    for (std::size_t i = 0; i < pieces->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", path, i)));
+  }
   return moves;
 }
 
-/// Entries of the plant's tables: loads, shafts, inertias, whatever the plant calls its parts.
-std::vector<Move> Parts(const Value& root) {
+/// Controls and other parts, and entries of the plant's tables: loads, shafts, inertias, whatever the plant calls its own.
+std::vector<Move> Parts(const Value& root, const std::vector<std::string>& kept) {
   std::vector<Move> moves;
-  for (const Value::Entry& section : TableAt(root, "plant")) {
-    for (const Value::Entry& entry : TableAt(root, "plant." + section.key)) {
-      if (entry.value.is_table()) moves.push_back(Without(fmt::format("plant.{}.{}", section.key, entry.key)));
-    }
+  for (const std::string& path : PartsOf(root)) {
+    if (path.starts_with("control.") || path.starts_with("part.") || path.starts_with("plant."))
+      moves.push_back(WithAll(path, kept));
+  }
+  return moves;
+}
+
+/// A sum of one piece is that piece.
+std::vector<Move> Sums(const Value& root) {
+  std::vector<Move> moves;
+  for (const Value::Entry& entry : TableAt(root, "input")) {
+    const std::string path = "input." + entry.key + ".source";
+    moves.push_back({path + " is no sum", [path](Value& tree) {
+                       Value* source = tree.FindPath(path);
+                       Value* pieces = source != nullptr ? source->Find("sources") : nullptr;
+                       if (pieces == nullptr || !pieces->is_array() || pieces->array().size() != 1) return false;
+                       *source = Value(pieces->array().front());
+                       return true;
+                     }});
+  }
+  return moves;
+}
+
+/// The first of these keys of a source that holds a number, or a list that begins with one; 0 where none does. Of a sum all of it.
+double LevelOf(const Value& source, std::initializer_list<const char*> keys) {
+  if (const Value* pieces = source.Find("sources"); pieces != nullptr && pieces->is_array()) {
+    double sum = 0.0;
+    for (const Value& piece : pieces->array()) sum += piece.is_table() ? LevelOf(piece, keys) : 0.0;
+    return sum;
+  }
+  for (const char* key : keys) {
+    const Value* level = source.Find(key);
+    if (level != nullptr && level->is_array() && !level->array().empty()) level = &level->array().front();
+    if (level != nullptr && level->is_number()) return level->number();
+  }
+  return 0.0;
+}
+
+/// An input that stays where it begins, or that begins at its level and stays there: a step excites all that a chirp does.
+std::vector<Move> Constants(const Value& root, bool where_it_begins) {
+  std::vector<Move> moves;
+  for (const Value::Entry& entry : TableAt(root, "input")) {
+    const Value* source = entry.value.Find("source");
+    if (source == nullptr || !source->is_table() || source->TextOr("type") == "constant") continue;
+    const double value = where_it_begins ? LevelOf(*source, {"initial", "values", "from", "offset"})
+                                         : LevelOf(*source, {"value", "amplitude", "amplitudes", "rms", "to"});
+    if (!where_it_begins && value == 0.0) continue;
+    const std::string path = "input." + entry.key + ".source";
+    moves.push_back({fmt::format("input.{} is {:g}", entry.key, value), [path, value](Value& tree) {
+                       Value* old = tree.FindPath(path);
+                       if (old == nullptr || !old->is_table()) return false;
+                       *old = Value{{"type", "constant"}, {"value", value}};
+                       return true;
+                     }});
   }
   return moves;
 }
@@ -206,6 +360,18 @@ void Leaves(const Value& value, const std::string& path, std::vector<std::string
     Leaves(entry.value, path.empty() ? entry.key : path + "." + entry.key, paths);
 }
 
+/// A text that has to be there, up to its first mark.
+Move FirstWords(const std::string& path) {
+  return {path + " in its first words", [path](Value& root) {
+            Value* text = root.FindPath(path);
+            if (text == nullptr || !text->is_string() || IsGone(*text)) return false;
+            const std::string words = text->string().substr(0, text->string().find_first_of(":;,."));
+            const bool shorter = !words.empty() && words.size() < text->string().size();
+            if (shorter) *text = Value(words);
+            return shorter;
+          }};
+}
+
 std::vector<Move> Keys(const Value& root) {
   std::vector<std::string> paths;
   for (const Value::Entry& entry : root.table()) {
@@ -213,6 +379,10 @@ std::vector<Move> Keys(const Value& root) {
   }
   std::vector<Move> moves;
   for (const std::string& path : paths) moves.push_back(Without(path));
+  if (const Value* checks = root.Find("check"); checks != nullptr && checks->is_array()) {
+    for (std::size_t i = 0; i < checks->array().size(); ++i)
+      moves.push_back(FirstWords(fmt::format("check.{}.origin", i)));
+  }
   return moves;
 }
 
@@ -242,17 +412,61 @@ std::vector<Move> Digits(const Value& root, int digits) {
   return moves;
 }
 
+/// Instants and lengths of time below `value`, whose names end with "_s" and no other quantity "per s".
+bool ScaleTimes(Value& value, double factor) {
+  bool any = false;
+  if (value.is_array()) {
+    for (Value& item : value.array()) any = ScaleTimes(item, factor) || any;
+  }
+  if (!value.is_table()) return any;
+  for (Value::Entry& entry : value.table()) {
+    if (entry.key.ends_with("_s") && !entry.key.ends_with("per_s")) {
+      const bool list = entry.value.is_array();
+      for (Value& number : list ? std::span(entry.value.array()) : std::span(&entry.value, 1)) {
+        if (!number.is_number() || number.number() == 0.0) continue;
+        number = Value(Rounded(factor * number.number(), 3));
+        any = true;
+      }
+    } else {
+      any = ScaleTimes(entry.value, factor) || any;
+    }
+  }
+  return any;
+}
+
 }  // namespace
+
+Move Earlier(double factor) {
+  return {fmt::format("events at {:g} of their time", factor), [factor](Value& root) {
+            bool any = false;
+            for (const Value::Entry& entry : TableAt(root, "input")) {
+              if (Value* source = root.FindPath("input." + entry.key + ".source"); source != nullptr)
+                any = ScaleTimes(*source, factor) || any;
+            }
+            if (Value* checks = root.Find("check"); checks != nullptr) any = ScaleTimes(*checks, factor) || any;
+            Value* duration = root.FindPath("run.duration_s");
+            if (any && duration != nullptr && duration->is_number())
+              *duration = Value(Rounded(factor * duration->number(), 3));
+            return any;
+          }};
+}
 
 double Rounded(double value, int digits) { return std::stod(fmt::format("{:.{}e}", value, digits - 1)); }
 
 std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept) {
   std::vector<Move> lumps;
   for (const Value::Entry& entry : TableAt(root, "plant.rotor")) lumps.push_back(Lump(entry.key));
-  std::vector<Group> groups = {{"sections", Sections(root)}, {"signals, effects and checks", Signals(root, kept)},
-                               {"rotors", std::move(lumps)}, {"stages", Stages(root)},
-                               {"bodies", Merges(root)},     {"parts of the plant", Parts(root)},
-                               {"keys", Keys(root)},         {"digits", Digits(root, 2)}};
+  std::vector<Group> groups = {{"sections", Sections(root)},
+                               {"signals, effects and checks", Signals(root, kept)},
+                               {"parts", Parts(root, kept)},
+                               {"rotors", std::move(lumps)},
+                               {"stages", Stages(root)},
+                               {"bodies", Merges(root)},
+                               {"sums", Sums(root)},
+                               {"inputs that rest", Constants(root, true)},
+                               {"inputs that step", Constants(root, false)},
+                               {"keys", Keys(root)},
+                               {"digits", Digits(root, 2)}};
   std::erase_if(groups, [](const Group& group) { return group.moves.empty(); });
   return groups;
 }

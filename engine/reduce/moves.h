@@ -20,9 +20,12 @@ struct Group {
   std::vector<Move> moves;
 };
 
-/// Groups in the order in which they pay: what a rotor and a stiff coupling hide, whole sections, signals and effects, stages,
-/// parts of the plant, single keys, digits. `kept`: signals that the check looks at.
+/// Groups in the order in which they pay: whole sections, signals and effects, parts with all that names them, what a rotor and a
+/// stiff coupling hide, stages, single keys, digits. `kept`: signals that the check looks at.
 std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept);
+
+/// What happens in the inputs, when the checks look, and the end of the run come at this share of their time.
+Move Earlier(double factor);
 
 /// The number in so many digits.
 double Rounded(double value, int digits);

@@ -5,60 +5,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "experiment/compare_traces.h"
 #include "experiment/golden.h"
 #include "experiment/run_scenario.h"
 #include "reduce/moves.h"
+#include "reduce/short_form.h"
+#include "reduce/symptom.h"
 #include "scenario/load.h"
-#include "score/share.h"
 
 namespace dynoproof::reduce {
 namespace {
 
-constexpr double kFarther = 10.0;  // a check that is so much further beyond its limit fails for another reason
+constexpr double kShort = 0.05;    // of the run: what lies beyond is worth moving its events for
 constexpr double kShorter = 1.25;  // durations are halved until the longest that passes is that close
-
-/// A text without its numbers: resonances move, and "resonance 2 at 605.1 Hz" stays the same check.
-std::string WithoutNumbers(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    const bool digit = (c >= '0' && c <= '9') || (c == '.' && !out.empty() && out.back() == '#');
-    if (!digit) out += c;
-    if (digit && (out.empty() || out.back() != '#')) out += '#';
-  }
-  return out;
-}
-
-/// What a failing run shows.
-struct Symptom {
-  std::string name = {};   // of the check, without numbers; empty: the run breaks
-  bool number = false;     // a value beyond a limit
-  double share = 0.0;      // of the limit
-  std::string words = {};  // why there is none, without numbers
-  score::Check check = {};
-
-  bool Same(const Symptom& other) const {
-    if (name != other.name || number != other.number) return false;
-    return number ? other.share <= kFarther * share : words == other.words;
-  }
-};
-
-Symptom SymptomOf(const score::Check& check) {
-  Symptom one{.name = WithoutNumbers(check.name), .check = check};
-  one.share = score::ShareOfLimit(check);
-  one.number = std::isfinite(check.value) && std::isfinite(check.limit);
-  if (!std::isfinite(one.share)) one.share = std::numeric_limits<double>::infinity();
-  if (!one.number) one.words = WithoutNumbers(check.explanation);
-  return one;
-}
-
-std::size_t LinesOf(const Value& root) {
-  const std::string text = ToToml(root);
-  return static_cast<std::size_t>(std::ranges::count(text, '\n'));
-}
 
 class Reducer {
  public:
@@ -75,10 +36,11 @@ class Reducer {
           "the other program fails this check as well: the fault is in the scenario, or in both", plan_.id, {}, 1};
     reduced.check = symptom_.name.empty() ? "run" : symptom_.check.name;
     reduced.first = last_ = symptom_.check;
-    reduced.lines_before = LinesOf(plan_.root);
+    reduced.lines_before = Lines();
+    reduced.values_before = ValuesOf(plan_.root);
     reduced.seconds_before = Seconds();
     const bool golden = symptom_.check.stated == GoldenCheck::kName;
-    if (golden && !FindBlessed()) {
+    if (golden && !FindReference()) {
       steps_.push_back(
           {"nothing but time: this program gives another trace than the golden one for the scenario that was blessed",
            reduced.lines_before, reduced.seconds_before});
@@ -86,6 +48,7 @@ class Reducer {
       return Done(std::move(reduced));
     }
     if (golden) last_ = symptom_.check;
+    if (!golden) FindGood();
     KeepItsChecks();
     Shorten();
     // What one group has taken out may let go of what an earlier one could not.
@@ -105,6 +68,7 @@ class Reducer {
  private:
   Reduced Done(Reduced reduced) {
     reduced.complete = Left();
+    reduced.beside_sound = by_sound_;
     reduced.before = std::move(was_);
     reduced.plan = std::move(plan_);
     reduced.last = last_;
@@ -113,46 +77,105 @@ class Reducer {
     return reduced;
   }
 
-  /// The scenario of the golden trace, as long as its run by this program and the present one differ as the check says.
-  bool FindBlessed() {
+  /// What the run of a golden check is compared with, as long as that shows what the check says: the run of the blessed scenario by
+  /// this program, or that of the present one by the other program.
+  bool FindReference() {
     const GoldenPlace place = GoldenPlaceOf(plan_);
-    std::optional<Value> root = BlessedScenario(place);
     const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
-    if (!root || !tolerances.ok()) return false;
-    was_ = plan_;
-    was_->root = *std::move(root);
+    if (!tolerances.ok()) return false;
     tolerances_ = tolerances->For(plan_.root.TextOr("run.solver", "realtime"));
-    const std::optional<ScenarioResult> result = Look(plan_, &*was_);
-    if (result) {
-      for (const score::Check& check : result->checks) {
-        const Symptom one = SymptomOf(check);
-        if (check.verdict == score::Verdict::kPass || one.name != symptom_.name) continue;
-        symptom_ = one;
-        symptom_.check.stated = GoldenCheck::kName;
-        return true;
-      }
+    if (std::optional<Value> root = BlessedScenario(place)) {
+      was_ = plan_;
+      was_->root = *std::move(root);
+      if (ShowsSame()) return true;
+      was_.reset();
     }
-    was_.reset();
+    by_sound_ = options_.sound_trace != nullptr;
+    if (by_sound_ && ShowsSame()) return true;
+    by_sound_ = false;
     return false;
   }
 
-  bool Left() const { return runs_ < options_.most_runs; }
+  /// Whether the plan as it is shows the failing check beside its reference; it is that one from then on.
+  bool ShowsSame() {
+    const std::optional<ScenarioResult> result = Look(plan_, was_ ? &*was_ : nullptr);
+    if (!result) return false;
+    for (const score::Check& check : result->checks) {
+      const Symptom one = SymptomOf(check);
+      if (check.verdict == score::Verdict::kPass || one.name != symptom_.name) continue;
+      symptom_ = one;
+      symptom_.check.stated = GoldenCheck::kName;
+      return true;
+    }
+    return false;
+  }
+
+  /// Of another check than a golden one: the scenario without what --set says, or as it was blessed, where it passes there. It loses
+  /// the same, and must go on passing.
+  void FindGood() {
+    std::vector<Plan> candidates;
+    if (options_.good) candidates.push_back(*options_.good);
+    if (std::optional<Value> root = BlessedScenario(GoldenPlaceOf(plan_))) {
+      candidates.push_back(plan_);
+      candidates.back().root = *std::move(root);
+      // Checks are those of today.
+      if (const Value* checks = plan_.root.Find("check")) candidates.back().root["check"] = *checks;
+    }
+    for (Plan& candidate : candidates) {
+      if (ToToml(candidate.root) == ToToml(plan_.root) || !Passes(candidate)) continue;
+      good_ = std::move(candidate);
+      return;
+    }
+  }
+
+  /// Whether the check of the symptom passes there.
+  bool Passes(const Plan& plan) {
+    const std::optional<ScenarioResult> result = Look(plan, nullptr);
+    if (!result || !result->broken.empty()) return false;
+    if (symptom_.name.empty()) return true;
+    return std::ranges::any_of(result->checks, [&](const score::Check& check) {
+      return check.verdict == score::Verdict::kPass && WithoutNumbers(check.name) == symptom_.name;
+    });
+  }
+
+  bool Paired() const { return symptom_.check.stated == GoldenCheck::kName; }
+  /// Whether another try is affordable: a run, one that it is compared with, one of the other program.
+  bool Left() const {
+    const int cost = 1 + (Paired() || good_ ? 1 : 0) + (options_.sound && !Paired() ? 1 : 0);
+    return runs_ + cost <= options_.most_runs;
+  }
+  std::size_t Lines() const { return LinesOf(ToToml(plan_.root)); }
   double Seconds() const { return plan_.root.NumberOr("run.duration_s", 0.0); }
 
-  /// The run of a plan, beside one that it is compared with where `was` is given; nothing where it cannot be built, which costs no
-  /// run.
-  std::optional<ScenarioResult> Look(const Plan& plan, const Plan* was) {
+  std::unique_ptr<Prepared> Built(const Plan& plan) const {
     Diagnostics refused;
-    const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, registry_, refused);
-    const std::unique_ptr<Prepared> reference = was != nullptr ? Prepare(*was, {}, registry_, refused) : nullptr;
+    std::unique_ptr<Prepared> prepared = Prepare(plan, {}, registry_, refused);
+    // As `run`: an oracle that cannot take the plan is a fault of the file.
+    if (prepared != nullptr && !ChecksApply(prepared->checks, prepared->plan, *prepared->rig, refused)) return nullptr;
+    return prepared;
+  }
+
+  /// The run of a plan, beside one that it is compared with where `was` is given or the other program makes it; nothing where it
+  /// cannot be built, which costs no run.
+  std::optional<ScenarioResult> Look(const Plan& plan, const Plan* was) {
+    const std::unique_ptr<Prepared> prepared = Built(plan);
+    const std::unique_ptr<Prepared> reference = was != nullptr ? Built(*was) : nullptr;
     if (prepared == nullptr || (was != nullptr && reference == nullptr)) return std::nullopt;
-    runs_ += was != nullptr ? 2 : 1;
+    const bool pair = was != nullptr || by_sound_;
+    runs_ += pair ? 2 : 1;
     if (options_.progress) options_.progress(trying_, runs_);
-    if (was == nullptr) return RunScenario(*prepared, {.out = ""});
-    const Result<Course> own = Play(*prepared), others = Play(*reference);
-    if (!own.ok() || !others.ok()) return std::nullopt;
+    if (!pair) return RunScenario(*prepared, {.out = ""});
+    const Result<Course> own = Play(*prepared);
+    if (!own.ok()) return std::nullopt;
+    std::optional<trace::Trace> beside;
+    if (by_sound_) {
+      beside = options_.sound_trace(plan);
+    } else if (Result<Course> course = Play(*reference); course.ok()) {
+      beside = std::move(course->trace);
+    }
+    if (!beside) return std::nullopt;
     ScenarioResult result;
-    result.checks = CompareTraces(others->trace, own->trace, tolerances_, GoldenCheck::kName);
+    result.checks = CompareTraces(*beside, own->trace, tolerances_, GoldenCheck::kName);
     return result;
   }
 
@@ -185,9 +208,9 @@ class Reducer {
   }
 
   /// Whether the plan shows the same after a change, which the one it is compared with undergoes, too; keeps it then.
-  bool Try(const std::function<void(Value& root)>& change) {
+  bool Try(const std::function<bool(Value& root)>& change) {
     Plan plan = plan_;
-    change(plan.root);
+    if (!change(plan.root)) return false;
     std::optional<Plan> was = was_;
     if (was) change(was->root);
     const std::optional<ScenarioResult> result = Look(plan, was ? &*was : nullptr);
@@ -202,7 +225,13 @@ class Reducer {
       }
       if (!same) return false;
     }
-    if (!was_ && !Sound(plan, same ? same->name : "")) return false;
+    if (!Sound(plan, same ? same->name : "")) return false;
+    std::optional<Plan> good = good_;
+    if (good) {
+      change(good->root);
+      if (!Passes(*good)) return false;
+      good_ = std::move(good);
+    }
     if (same) last_ = *same;
     plan_ = std::move(plan);
     was_ = std::move(was);
@@ -211,18 +240,18 @@ class Reducer {
 
   /// Whether the other program, where one is asked, passes what fails here; its run counts. A golden check has its own comparison.
   bool Sound(const Plan& plan, const std::string& check) {
-    if (!options_.sound || symptom_.check.stated == GoldenCheck::kName) return true;
+    if (!options_.sound || Paired()) return true;
     ++runs_;
     return options_.sound(plan, check);
   }
 
-  void Note(std::string what) { steps_.push_back({std::move(what), LinesOf(plan_.root), Seconds()}); }
+  void Note(std::string what) { steps_.push_back({std::move(what), Lines(), Seconds()}); }
 
   /// Signals that the checks name: these stay.
   std::vector<std::string> Kept() const {
     std::vector<std::string> kept;
     // "golden T_shaft": of a trace that signal.
-    if (was_) kept.push_back(symptom_.check.name.substr(symptom_.check.name.find(' ') + 1));
+    if (Paired()) kept.push_back(symptom_.check.name.substr(symptom_.check.name.find(' ') + 1));
     const Value* checks = plan_.root.Find("check");
     for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
       if (!check.is_table()) continue;
@@ -240,19 +269,38 @@ class Reducer {
     trying_ = "other checks";
     const bool kept = Try([&](Value& root) {
       Value* checks = root.Find("check");
-      if (checks == nullptr || !checks->is_array()) return;
-      std::erase_if(checks->array(), [&](const Value& check) { return check.TextOr("kind") != symptom_.check.stated; });
+      if (checks == nullptr || !checks->is_array()) return false;
+      return std::erase_if(checks->array(),
+                           [&](const Value& check) { return check.TextOr("kind") != symptom_.check.stated; }) > 0;
     });
     if (kept) Note("checks of other kinds");
   }
 
   void Shorten() {
+    const double before = Seconds();
+    CutOff();
+    // Where something else says that the fault is there, it may come earlier as well.
+    for (const double factor : {1.0 / 16.0, 0.25, 0.5}) {
+      if (!(Paired() || good_ || options_.sound) || Seconds() < kShort * before || !Left()) break;
+      trying_ = "events earlier";
+      if (!Try(Earlier(factor).apply)) continue;
+      Note(Earlier(factor).what);
+      CutOff();
+      break;
+    }
+    if (Seconds() < before) Note(fmt::format("shortened from {:g} s", before));
+  }
+
+  void CutOff() {
     double passes = 0.0;
     const double before = Seconds();
     trying_ = "a shorter run";
     // From a sixteenth on: most faults show early.
     for (double fails = before, tried = before / 16.0; Left() && fails > kShorter * passes && fails > 0.0;) {
-      if (Try([&](Value& root) { root["run"]["duration_s"] = Value(Rounded(tried, 3)); })) {
+      if (Try([&](Value& root) {
+            root["run"]["duration_s"] = Value(Rounded(tried, 3));
+            return true;
+          })) {
         fails = Seconds();
       } else {
         passes = tried;
@@ -260,22 +308,29 @@ class Reducer {
       tried = passes > 0.0 ? std::sqrt(passes * fails) : fails / 16.0;
       if (tried < 1e-3 * before) break;
     }
-    if (Seconds() < before) Note(fmt::format("shortened from {:g} s", before));
   }
 
-  /// All of these moves together, or as many as keep the fault. True when any did.
+  /// All of these moves together, or as many as keep the fault. True when any did. A move that leaves nothing that can be built is
+  /// no move: to find that costs no run.
   bool TakeOut(const std::string& what, const std::vector<Move>& moves) {
     trying_ = what;
-    const std::size_t lines = LinesOf(plan_.root);
+    const std::size_t lines = Lines();
+    std::vector<Move> possible;
+    std::ranges::copy_if(moves, std::back_inserter(possible), [&](const Move& move) {
+      Plan plan = plan_;
+      const std::string before = ToToml(plan.root);
+      Apply({move}, plan.root);
+      return ToToml(plan.root) != before && Built(plan) != nullptr;
+    });
     std::vector<std::string> done;
-    Halve(moves, done);
+    Halve(possible, done);
     if (done.empty()) return false;
     constexpr std::size_t kSaid = 4;
     std::string text = fmt::format(
         "{}", fmt::join(done.begin(), done.begin() + static_cast<std::ptrdiff_t>(std::min(kSaid, done.size())), ", "));
     if (done.size() > kSaid) text += fmt::format(" and {} more", done.size() - kSaid);
     Note(fmt::format("{}: {}", what, text));
-    return LinesOf(plan_.root) < lines || what == "digits";
+    return Lines() < lines || what == "digits";
   }
 
   void Halve(const std::vector<Move>& moves, std::vector<std::string>& done) {
@@ -283,7 +338,10 @@ class Reducer {
     Value changed = plan_.root;
     Apply(moves, changed);
     const bool changes = ToToml(changed) != ToToml(plan_.root);
-    if (changes && Try([&](Value& root) { Apply(moves, root); })) {
+    if (changes && Try([&](Value& root) {
+          Apply(moves, root);
+          return true;
+        })) {
       for (const Move& move : moves) done.push_back(move.what);
       return;
     }
@@ -295,7 +353,9 @@ class Reducer {
   }
 
   Plan plan_;
-  std::optional<Plan> was_;  // of a golden check: what the run is compared with
+  std::optional<Plan> was_;   // of a golden check: what the run is compared with
+  std::optional<Plan> good_;  // of another check: where it passes
+  bool by_sound_ = false;     // of a golden check: the other program's run is what it is compared with
   SignalTolerances tolerances_;
   const Registry& registry_;
   const Options& options_;

@@ -23,6 +23,12 @@ PLANTED = [
     (r"damping_Nms_per_rad = 6\.0", "damping_Nms_per_rad = 5.0", "plant.shaft.k2.damping_Nms_per_rad = 5.0 (was 6.0)"),
     (r"amplitude = 100\.0", "amplitude = 101.0", "input.T_airgap.source.amplitude = 101.0 (was 100.0)"),
     (r"\Z", '\n[[effect]]\nname = "coulomb_friction"\nat = "inertia:I2"\nparameters = { T_c = 0.5 }\n', "plant.load"),
+    (r"2\.5e5", "2.45e5", "plant.shaft.k2.stiffness_Nm_per_rad = 245000.0 (was 250000.0)"),
+    (r"damping_Nms_per_rad = 8\.0", "damping_Nms_per_rad = 8.8", "plant.shaft.k1.damping_Nms_per_rad = 8.8 (was 8.0)"),
+    (r"^I2 = 0\.3 ", "I2 = 0.303 ", "plant.inertia.I2 = 0.303 (was 0.3)"),
+    (r"rate_Hz_per_s = 200\.0", "rate_Hz_per_s = 202.0", "input.T_airgap.source.rate_Hz_per_s = 202.0 (was 200.0)"),
+    (r'^on = "I1"', 'on = "I2"', 'plant.torque.T_airgap.on = "I2" (was "I1")'),
+    (r'^of = "plant.I1.speed"', 'of = "plant.I2.speed"', 'output.omega_1.of = "plant.I2.speed" (was "plant.I1.speed")'),
 ]
 
 

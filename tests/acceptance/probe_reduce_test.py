@@ -120,8 +120,12 @@ class OnALine(unittest.TestCase):
                    "small.toml", "--json", "s.json")
         said = json.loads((self.folder / "s.json").read_text())
         self.assertLessEqual(said["runs"], 101)
-        self.assertLess(said["lines"]["after"], 0.6 * said["lines"]["before"], text)
+        self.assertLess(said["lines"]["after"], 0.25 * said["lines"]["before"], text)
+        self.assertLess(said["values"]["after"], 0.5 * said["values"]["before"], text)
         self.assertLess(said["seconds"]["after"], 0.1 * said["seconds"]["before"], text)
+        # Both numbers are of files: lines that hold something, the one that says where it comes from apart.
+        lines = [line for line in (self.folder / "small.toml").read_text().splitlines() if line and not line.startswith("#")]
+        self.assertEqual(said["lines"]["after"], len(lines))
         run(self.folder, "run", "small.toml", "--json", "r.json", code=1)
         checks = json.loads((self.folder / "r.json").read_text())["scenarios"][0]["checks"]
         self.assertIn("golden T_shaft", [check["name"] for check in checks if check["verdict"] == "fail"])
@@ -130,7 +134,69 @@ class OnALine(unittest.TestCase):
         self.assertEqual(small["plant"]["inertia"]["I3"], 0.6)
         run(self.folder, "run", "small.toml", "--set", "plant.inertia.I3=0.5")
 
+    def test_reduce_keeps_a_fault_that_the_scenario_alone_does_not_have(self):
+        # A check of the motion's size fails in any run that is too short: what is left passes it without --set.
+        peak = '\n[[check]]\nkind = "bounded"\nsignal = "omega_1"\nbetween = [-0.05, 1000.0]\norigin = "goal"\n'
+        (self.folder / "bound.toml").write_text(self.bare + peak)
+        run(self.folder, "run", "bound.toml")
+        drag = 'plant.load.drag={ on = "I1", law = "constant", T_0_Nm = 20.0 }'
+        text = run(self.folder, "reduce", "bound.toml", "--set", drag, "--check", "bounded", "--out", "small_bound.toml")
+        small = tomllib.loads((self.folder / "small_bound.toml").read_text())
+        self.assertEqual(small["plant"]["load"]["drag"]["on"], next(iter(small["plant"]["inertia"])), text)
+        run(self.folder, "run", "small_bound.toml", code=1)
+        run(self.folder, "run", "small_bound.toml", "--set", "plant.load.drag.T_0_Nm=0.0")
+
+    def test_reduce_cuts_a_record_to_where_it_differs(self):
+        (self.folder / "bare.toml").write_text(self.bare)
+        # The test bed's rotor starts to rub half-way; the record is whole and right but for that.
+        run(self.folder, "run", "bare.toml", "--out", "r")
+        run(self.folder, "export", "r/bare.h5", "--to", "csv", "--every", "5", "--out", "record.csv")
+        rows = (self.folder / "record.csv").read_text().splitlines()
+        run(self.folder, "run", "bare.toml", "--data", "record.csv", "--out", "r")
+        head, names = rows[:2], rows[0].split(",")
+        column, half = names.index("omega_1"), (len(rows) - 2) // 2
+        data = [line.split(",") for line in rows[2:]]
+        for row in data[half:]:
+            row[column] = repr(float(row[column]) + 0.5)
+        (self.folder / "record.csv").write_text("\n".join(head + [",".join(row) for row in data]) + "\n")
+        self.assertIn("record omega_1", run(self.folder, "run", "bare.toml", "--data", "record.csv", "--out", "r", code=1))
+        text = run(self.folder, "reduce", "bare.toml", "--data", "record.csv", "--check", "record omega_1", "--out", "cut.csv", "--json", "c.json")
+        said = json.loads((self.folder / "c.json").read_text())
+        self.assertLess(said["rows"]["after"], 0.2 * said["rows"]["before"], text)
+        first, last = said["first_row"], said["first_row"] + said["rows"]["after"]
+        self.assertTrue(first < half < last or first == half, text)
+        # Numbers stand as they stood.
+        cut = (self.folder / "cut.csv").read_text().splitlines()
+        self.assertEqual([list(map(float, line.split(","))) for line in cut[2:]], [list(map(float, row)) for row in data[first:last]])
+        self.assertIn("record omega_1", run(self.folder, "run", "bare.toml", "--data", "cut.csv", "--out", "r", code=1))
+        self.assertLessEqual(said["runs"], 100)
+
+    def test_reduce_cuts_a_record_to_the_fault_that_check_data_finds(self):
+        (self.folder / "bare.toml").write_text(self.bare)
+        run(self.folder, "run", "bare.toml", "--out", "r")
+        run(self.folder, "export", "r/bare.h5", "--to", "csv", "--every", "5", "--out", "falls.csv")
+        self.assertIn("there is nothing to reduce", run(self.folder, "reduce", "bare.toml", "--data", "falls.csv", code=1))
+        rows = (self.folder / "falls.csv").read_text().splitlines()
+        data = [line.split(",") for line in rows[2:]]
+        at, time = 600, rows[0].split(",").index("time")
+        data[at][time] = data[at - 3][time]
+        (self.folder / "falls.csv").write_text("\n".join(rows[:2] + [",".join(row) for row in data]) + "\n")
+        self.assertIn("not_rising", run(self.folder, "check-data", "falls.csv", code=2))
+        text = run(self.folder, "reduce", "bare.toml", "--data", "falls.csv", "--check", "not_rising", "--out", "cut.csv")
+        self.assertIn("not_rising", run(self.folder, "check-data", "cut.csv", code=2), text)
+        cut = (self.folder / "cut.csv").read_text().splitlines()
+        self.assertLess(len(cut), 50, text)
+        self.assertIn(",".join(data[at]), cut)
+        self.assertIn("these do: not_rising", run(self.folder, "reduce", "bare.toml", "--data", "falls.csv", "--check", "gap", code=1))
+        self.assertIn("is the record itself", run(self.folder, "reduce", "bare.toml", "--data", "falls.csv", "--out", "falls.csv", code=2))
+
     def test_reduce_says_what_fails_and_overwrites_no_scenario(self):
+        # What `run` refuses is no failing check: an oracle that knows no friction.
+        oracle = '\n[[check]]\nkind = "oracle"\noracle = "held_input_exponential"\nsignal = "T_shaft"\nnrmse = 1e-6\norigin = "goal"\n'
+        (self.folder / "oracle.toml").write_text(self.bare + oracle)
+        rub = 'plant.load.rub={ on = "I2", law = "coulomb", T_c_Nm = 1.0 }'
+        for command in ("run", "reduce"):
+            self.assertIn("does not apply", run(self.folder, command, "oracle.toml", "--set", rub, code=2))
         self.assertIn("no check fails", run(self.folder, "reduce", "line.toml", code=1))
         self.assertIn("these fail: golden", run(self.folder, "reduce", "line.toml", "--set", "plant.inertia.I3=0.6", "--check", "peak",
                                                 code=1))
