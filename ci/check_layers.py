@@ -25,7 +25,7 @@ MAY_INCLUDE = {
     "reduce": ["experiment", "scenario", "sim", "trace", "score", "model", "base"],
     "history": ["score", "base"],
     "campaign": ["experiment", "scenario", "sim", "trace", "score", "model", "linear", "base", "control10k"],
-    "thesis": ["campaign", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
+    "thesis": ["campaign", "identification", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
                "control10k"],
     "reports": ["probe", "campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
     "app": ["reports", "probe", "reduce", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
