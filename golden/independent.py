@@ -121,12 +121,15 @@ def drive_lines(v):
         v[f"A.7-mode-{n + 1}"] = nu / TURN
     v["2.4-eigenfrequency"] = v["A.7-mode-1"]
     # Setups 2 and 3: 0.13 and 0.24 kg m^2 more on the last inertia, nothing else.
+    parallel = ([22.5, 2.11125364, 1.85273272, 1.01608342, 0.352102819],  # Fig. 2.25 with our numbers
+                [(0, 1, 43.8357020e6, 0.0), (1, 2, 79.7867506e6, 0.0), (2, 3, 9.79538495e6, 0.0), (2, 4, 4.56576504e6, 0.0)])
     for setup, more in enumerate((0.0, 0.13, 0.37)):
-        heavier = [(line[0][:-1] + [line[0][-1] + more], line[1]) for line in (A1, A4, A5)]
-        straight, branched, rotor = (frequencies(*line)[:2] for line in heavier)
+        heavier = [(line[0][:-1] + [line[0][-1] + more], line[1]) for line in (A1, A4, A5, parallel)]
+        straight, branched, rotor, split = (frequencies(*line)[:2] for line in heavier)
         v[f"2.18-setup-{setup + 1}"] = max(abs(straight / rotor - 1.0))
         if setup > 0:
             v[f"2.27-setup-{setup + 1}"] = max(abs(branched / rotor - 1.0))
+            v[f"2.25-setup-{setup + 1}"] = max(abs(split / rotor - 1.0))
     I1, I2, k, c = 4.8, 0.2, 6e6, 125.0
     total = 1.0 / I1 + 1.0 / I2
     eigenvalue = np.roots([1.0, c * total, k * total])[0]

@@ -34,16 +34,19 @@ bool Contains(const std::vector<std::string>& list, const std::string& name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-/// The number of a figure or table, "5.19"; nothing for other rows.
+/// Whether the row is one of the numbered figures of the thesis, with axes or without.
+bool IsFigure(const CoverageRow& row) { return row.kind == "figure" || row.kind == "diagram"; }
+
+/// The number of a figure, diagram or table, "5.19"; nothing for other rows.
 std::string NumberOf(const CoverageRow& row) {
   const std::size_t space = row.name.find(' ');
-  return (row.kind == "figure" || row.kind == "table") && space != std::string::npos ? row.name.substr(space + 1) : "";
+  return (IsFigure(row) || row.kind == "table") && space != std::string::npos ? row.name.substr(space + 1) : "";
 }
 
 /// Whether the claim's place names the figure or table of the row.
 bool IsAbout(const Claim& claim, const CoverageRow& row) {
   const std::string number = NumberOf(row);
-  return !number.empty() && Contains(NumbersIn(claim.place, row.kind == "figure" ? "Fig" : "Table"), number);
+  return !number.empty() && Contains(NumbersIn(claim.place, IsFigure(row) ? "Fig" : "Table"), number);
 }
 
 /// The figures of the thesis that one of the atlas draws: one, or several in one picture ("5.8 and 5.19").
@@ -55,7 +58,7 @@ void Complete(CoverageRow& row, const std::vector<AtlasFigure>& figures, const s
     if (!Contains(list, name)) list.push_back(name);
   };
   for (const AtlasFigure& figure : figures) {
-    if (row.kind != "figure" || !Contains(Drawn(figure), NumberOf(row))) continue;
+    if (!IsFigure(row) || !Contains(Drawn(figure), NumberOf(row))) continue;
     add(row.figures, figure.number);
     for (const std::string& scenario : figure.scenarios) add(row.scenarios, scenario);
   }
@@ -79,13 +82,16 @@ class Rules {
       if (!std::filesystem::exists(std::filesystem::path(ScenarioFolder()) / (id + ".toml")))
         Fault(fmt::format("names a scenario \"{}\" that does not exist", id), "see: dynoproof list");
     }
-    const bool whole = row_.state == "whole", missing = row_.state == "missing", named = !row_.CoveredBy().empty();
+    const bool whole = row_.state == "whole", named = !row_.CoveredBy().empty();
+    const bool nothing = row_.state == "missing" || row_.state == "not_given";
     if (whole != row_.reason.empty())
       Fault(whole ? "has a reason for being less than whole" : "does not say why it is not whole",
             whole ? "leave the reason out, or give it another state" : "add reason = \"...\"");
-    if (missing == named)
-      Fault(missing ? "names what covers it" : "names nothing that covers it",
-            missing ? "give it another state" : "add scenarios, claims, figures, studies or plugins");
+    if (nothing == named)
+      Fault(nothing ? "names what covers it" : "names nothing that covers it",
+            nothing ? "give it another state" : "add scenarios, claims, figures, studies or plugins");
+    if (row_.kind == "figure" && !nothing && row_.figures.empty())
+      Fault("is not drawn", "add it to the atlas (figures.toml), or make it a diagram where it has no axes");
     // What a row rests on bounds what it may be called.
     for (const Claim& claim : claims) {
       const bool against = claim.expect == "contradicted" || claim.expect == "not_checkable";

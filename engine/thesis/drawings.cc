@@ -2,6 +2,7 @@
 
 #include "thesis/drawings_loop.h"
 #include "thesis/drawings_rotor.h"
+#include "thesis/drawings_spectrum.h"
 
 namespace dynoproof {
 
@@ -9,6 +10,7 @@ const DrawingTable& Drawings() {
   static const DrawingTable all = [] {
     DrawingTable merged = RotorDrawings();
     merged.merge(LoopDrawings());
+    merged.merge(SpectrumDrawings());
     return merged;
   }();
   return all;

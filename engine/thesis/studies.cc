@@ -20,6 +20,7 @@
 #include "thesis/speed_loop.h"
 #include "thesis/studies_backlash.h"
 #include "thesis/studies_formulas.h"
+#include "thesis/studies_identification.h"
 #include "thesis/studies_printed.h"
 #include "thesis/studies_runs.h"
 #include "thesis/studies_slips.h"
@@ -394,6 +395,7 @@ const std::map<std::string, Study, std::less<>>& Studies() {
     merged.merge(MachineStudies());
     merged.merge(FormulaStudies());
     merged.merge(SlipStudies());
+    merged.merge(IdentificationStudies());
     merged.insert(studies.begin(), studies.end());
     return merged;
   }();

@@ -93,10 +93,11 @@ TEST(Reproduce, CoverageShowsEveryRowWithItsStateAndReason) {
     EXPECT_THAT(run.out, HasSubstr(name));
     EXPECT_EQ(row["reason"].is_null(), state == "whole") << name;
   }
-  for (const char* state : {"whole", "assumed", "partial", "missing"}) {
+  for (const char* state : {"whole", "assumed", "partial", "not_given"}) {
     EXPECT_GT(counts[state], 0) << state;
     EXPECT_EQ(document["summary"]["all"][state], counts[state]) << state;
   }
+  EXPECT_EQ(document["summary"]["all"]["missing"], 0);
   EXPECT_THAT(run.out, HasSubstr("experiment"));
   EXPECT_EQ(bench.Call({"reproduce", "all", "--coverage"}).exit, 2);
 }

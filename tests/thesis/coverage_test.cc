@@ -41,7 +41,7 @@ std::string RowText(const std::string& name, const std::string& kind, const std:
 }
 /// Rows for whatever the ledger and the atlas above are about.
 std::string Sound() {
-  return RowText("Fig. 9.1", "figure", "state = \"whole\"") + RowText("Fig. 9.2", "figure", "state = \"whole\"") +
+  return RowText("Fig. 9.1", "figure", "state = \"whole\"") + RowText("Fig. 9.2", "diagram", "state = \"whole\"") +
          RowText("Table 9.3", "table", "state = \"whole\"");
 }
 
@@ -76,7 +76,8 @@ TEST(Coverage, TheShippedRowsHoldAndEveryFigureAndTableOfTheThesisHasOne) {
   for (const auto& [chapter, last] : {std::pair{"2", 8}, {"4", 2}, {"A", 7}, {"B", 1}, {"C", 3}})
     add("Table", chapter, last);
   for (const CoverageRow& row : rows) {
-    if (row.kind == "figure" || row.kind == "table") there.insert(row.name);
+    if (row.kind == "figure" || row.kind == "diagram" || row.kind == "table") there.insert(row.name);
+    EXPECT_NE(row.state, "missing") << row.name;
   }
   EXPECT_EQ(there, wanted);
   const std::vector<int> all = CountStates(rows, "");
@@ -107,11 +108,14 @@ TEST(Coverage, ARowThatNamesWhatIsNotThereIsAnswered) {
 
 TEST(Coverage, ARowSaysWhyItIsNotWholeAndIsCalledNoMoreThanItRestsOn) {
   const std::string covered = "\nclaims = [\"good\"]", reason = "\nreason = \"why\"";
-  EXPECT_THAT(Answer("state = \"partial\"" + covered), HasSubstr("does not say why it is not whole"));
+  for (const char* state : {"assumed", "partial", "not_given", "missing"})
+    EXPECT_THAT(Answer(fmt::format("state = \"{}\"{}", state, covered)), HasSubstr("does not say why it is not whole"));
   EXPECT_THAT(Answer("state = \"whole\"" + covered + reason), HasSubstr("has a reason for being less than whole"));
-  EXPECT_THAT(Answer("state = \"missing\"" + covered + reason), HasSubstr("names what covers it"));
+  for (const char* state : {"not_given", "missing"}) {
+    EXPECT_THAT(Answer(fmt::format("state = \"{}\"{}{}", state, covered, reason)), HasSubstr("names what covers it"));
+    EXPECT_EQ(Answer(fmt::format("state = \"{}\"{}", state, reason)), "");
+  }
   EXPECT_THAT(Answer("state = \"assumed\"" + reason), HasSubstr("names nothing that covers it"));
-  EXPECT_EQ(Answer("state = \"missing\"" + reason), "");
   const std::string against = "\nclaims = [\"against\"]";
   EXPECT_THAT(Answer("state = \"whole\"" + against), HasSubstr("which is contradicted"));
   EXPECT_THAT(Answer("state = \"assumed\"" + against + reason), HasSubstr("which is contradicted"));
@@ -119,6 +123,18 @@ TEST(Coverage, ARowSaysWhyItIsNotWholeAndIsCalledNoMoreThanItRestsOn) {
   Diagnostics diagnostics;
   Read(Sound(), diagnostics, Figures("the measured curve"));
   EXPECT_THAT(diagnostics.Format(), HasSubstr("figure 9.1, of which something is missing"));
+}
+
+TEST(Coverage, AFigureIsDrawnOrADiagramOrNotGiven) {
+  const auto answer = [](const std::string& kind, const std::string& rest) {
+    Diagnostics diagnostics;
+    Read(Sound() + RowText("Fig. 9.4", kind, rest), diagnostics);
+    return diagnostics.Format();
+  };
+  const std::string covered = "state = \"whole\"\nclaims = [\"good\"]";
+  EXPECT_THAT(answer("figure", covered), HasSubstr("row \"Fig. 9.4\" (whole) is not drawn"));
+  EXPECT_EQ(answer("diagram", covered), "");
+  EXPECT_EQ(answer("figure", "state = \"not_given\"\nreason = \"a photograph\""), "");
 }
 
 TEST(Coverage, WhatIsDrawnOrClaimedHasARowAndNoneTwice) {

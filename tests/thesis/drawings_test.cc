@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "control10k/classical.h"
 #include "tests/support/registry.h"
 #include "thesis/distributed.h"
 
@@ -135,6 +136,73 @@ TEST(Drawings, AFilterEndsAnOscillationOfTheLoopAndLeavesOneFromOutside) {
   EXPECT_LT(Peak(own, 0.8, 0.9), 0.05 * Peak(own, 0.25, 0.3));
   EXPECT_GT(Peak(foreign, 0.25, 0.3), 100.0);
   EXPECT_GT(Peak(foreign, 0.8, 0.9), 0.5 * Peak(foreign, 0.25, 0.3));
+}
+
+/// The filters of the law (5.13) themselves, on a tone: after 0.2 s nothing is left of the start.
+TEST(Drawings, TheBandPassPairHasTheMagnitudesOfTheFiltersThatRun) {
+  const Picture picture = Drawn("band_pass_pair");
+  const control10k::ClassicalConfig config;
+  for (const auto& [label, centre_Hz] : {std::pair{"W_l", 600.0 / config.spread}, {"W_h", 600.0 * config.spread}}) {
+    const Curve& curve = Labelled(picture, label);
+    for (const double f : {400.0, 545.0, 640.0, 900.0}) {
+      const double g = std::tan(std::numbers::pi * centre_Hz * config.period_s);
+      control10k::StateVariable filter;
+      double low = 0.0, band = 0.0, cosine = 0.0, sine = 0.0;
+      constexpr int kSettled = 2000, kCounted = 2000;  // 400 Hz to 900 Hz in steps of 5 Hz: whole turns
+      for (int n = 0; n < kSettled + kCounted; ++n) {
+        const double phase = 2.0 * std::numbers::pi * f * config.period_s * n;
+        filter.Step(std::sin(phase), g, config.damping, low, band);
+        if (n < kSettled) continue;
+        cosine += band * std::cos(phase);
+        sine += band * std::sin(phase);
+      }
+      const double magnitude = 2.0 / kCounted * std::hypot(cosine, sine) * 2.0 * config.damping;
+      EXPECT_NEAR(curve.y[static_cast<std::size_t>(f - 300.0)], magnitude, 1e-6) << label << " " << f;
+    }
+  }
+  // Fig. 5.10: the tone lies above the middle, so that the upper filter gives more.
+  EXPECT_GT(Labelled(picture, "W_h").y[340], Labelled(picture, "W_l").y[340]);
+}
+
+/// The largest bin is the one next to the tone; without a window every bin has something of it, (5.16).
+TEST(Drawings, ATonesBinsLieOnItsLobes) {
+  for (const auto& [name, height] : {std::pair{"plain_tone", 128.0}, {"windowed_tone", 0.42 * 128.0}}) {
+    const Picture picture = Drawn(name);
+    const Curve &bins = Labelled(picture, "bins"), &lobes = Labelled(picture, "between the bins");
+    ASSERT_EQ(bins.y.size(), 25u);
+    EXPECT_EQ(std::ranges::max_element(bins.y) - bins.y.begin(), 10);
+    EXPECT_NEAR(*std::ranges::max_element(lobes.y), height, 1e-9 * height) << name;
+    for (std::size_t k = 0; k < bins.y.size(); ++k) {
+      const double away = 10.3 - static_cast<double>(k), x = std::numbers::pi * away;
+      if (name == std::string("plain_tone")) {
+        EXPECT_NEAR(bins.y[k], std::abs(std::sin(x) / std::sin(x / 128.0)), 1e-9) << k;
+      } else if (std::abs(away) > 3.0) {  // beyond the main lobe: below -58 dB
+        EXPECT_LT(bins.y[k], 1.3e-3 * height) << k;
+      }
+    }
+  }
+}
+
+TEST(Drawings, TheLineOfTheOffsetLeavesItsInverseBeyondHalfABinOnly) {
+  const Picture picture = Drawn("offset_of_bins");
+  const Curve &inverse = Labelled(picture, "exact inverse"), &line = Labelled(picture, "0.75 b");
+  double within = 0.0, beyond = 0.0;
+  for (std::size_t i = 0; i < inverse.y.size(); ++i) {
+    double& worst = std::abs(inverse.y[i]) < 0.5 ? within : beyond;
+    worst = std::max(worst, std::abs(line.y[i] - inverse.y[i]));
+  }
+  EXPECT_LT(within, 0.0083);  // 5.26-almost-identical: 0.0082 bin
+  EXPECT_GT(beyond, 5.0 * within);
+}
+
+TEST(Drawings, TheGaussianMeetsTheLobeAtItsTopAndOneBinAway) {
+  const Picture picture = Drawn("lobe_and_gaussian");
+  const Curve &lobe = Labelled(picture, "lobe"), &gaussian = Labelled(picture, "Gaussian, (5.28)");
+  for (const auto& [at, height] : {std::pair{350u, 42.0}, {250u, 25.0}, {450u, 25.0}}) {
+    EXPECT_NEAR(lobe.y[at], height, 1e-9);
+    EXPECT_NEAR(gaussian.y[at], height, 1e-9);
+  }
+  EXPECT_GT(gaussian.y[50], lobe.y[50] + 0.1);  // three bins away the lobe has ended
 }
 
 TEST(Drawings, NotchHasItsZerosOnTheUnitCircleAndItsPolesWithin) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -116,13 +117,19 @@ std::string FigureLinks(const std::vector<std::string>& numbers) {
   return links;
 }
 
+/// "not given"
+std::string StateText(std::string state) {
+  std::ranges::replace(state, '_', ' ');
+  return state;
+}
+
 std::string CoverageRowHtml(CoverageRow row) {
   const std::string links = FigureLinks(row.figures), place = row.place;
   row.figures.clear();  // they stand as links
   const std::string others = row.CoveredBy();
   const std::string key = fmt::format("{}{}<div class=\"verdict {}\">{}</div>", Escape(row.name),
                                       place.empty() ? "" : fmt::format("<div class=\"note\">{}</div>", Escape(place)),
-                                      row.state, row.state);
+                                      row.state, StateText(row.state));
   return Row(std::vector<Cell>{
       {key, "key"},
       {fmt::format("<strong>{}</strong>{}", Escape(row.title),
@@ -136,7 +143,7 @@ std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
   if (rows.empty()) return "";
   const std::vector<std::string> states = CoverageRow::States();
   std::vector<Cell> heads = {{"part"}};
-  for (const std::string& state : states) heads.push_back({state, "number"});
+  for (const std::string& state : states) heads.push_back({StateText(state), "number"});
   std::string counts, parts;
   for (const std::string& kind : CoverageRow::Kinds()) {
     const std::vector<int> count = CountStates(rows, kind);
@@ -155,8 +162,10 @@ std::string CoverageHtml(const std::vector<CoverageRow>& rows) {
   }
   return "<section id=\"coverage\"><h2>What of the thesis is here</h2>\n"
          "<p class=\"note\">whole: computed from what the thesis prints; assumed: the same with data that it does not "
-         "print; partial: something is not computed, cannot be compared or comes out otherwise; missing: nothing of it "
-         "is here.</p>\n" +
+         "print; partial: something is not computed, cannot be compared or comes out otherwise; not given: the thesis "
+         "gives nothing of it to compute from, as a photograph; missing: nothing of it is here, though there could be. "
+         "A "
+         "diagram is a figure without axes: its structure is built, not drawn.</p>\n" +
          Table(heads, counts) + parts + "</section>\n";
 }
 
