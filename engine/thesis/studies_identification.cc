@@ -75,7 +75,8 @@ Result<Figure> OwnRecordIdentified(const Registry& registry, const Value& parame
   Plan begun = *truth;
   identification::IdentifyOptions options;
   options.starts = 1;
-  if (parameters.TextOr("method") == "response") options.method = identification::IdentifyMethod::kResponse;
+  if (!parameters.TextOr("method").empty()) options.method = parameters.TextOr("method");
+  if (!identification::Methods().contains(options.method)) return Wrong("there is no method " + options.method);
   for (const std::string& key : Texts(parameters, "free")) {
     Value* number = begun.root.FindPath(key);
     if (number == nullptr || !number->is_number()) return Wrong(fmt::format("\"{}\" is no number", key));
