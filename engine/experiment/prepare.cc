@@ -58,6 +58,25 @@ void ReadReplays(const Value& value, const std::string& folder, Records& records
   if (mapped) records[value.TextOr("file") + "#" + value.TextOr("column")] = mapped->inputs.at(value.TextOr("column"));
 }
 
+/// `keep` of a variant: which of the scenario's outputs the trace holds of it. False where one is none.
+bool KeepsOutputs(const Value& keep, const Plan& plan, Diagnostics& diagnostics) {
+  const bool names = keep.is_array() && std::all_of(keep.array().begin(), keep.array().end(),
+                                                    [](const Value& name) { return name.is_string(); });
+  if (!names) {
+    diagnostics.Error(keep.where(), "\"keep\" is no list of names", "keep = [\"NAME of an output\", ...]");
+    return false;
+  }
+  const Value* outputs = plan.root.Find("output");
+  bool all = true;
+  for (const Value& name : keep.array()) {
+    if (outputs != nullptr && outputs->Find(name.string()) != nullptr) continue;
+    diagnostics.Error(name.where(), fmt::format("there is no output \"{}\" to keep", name.string()),
+                      "a name of an [output.NAME]");
+    all = false;
+  }
+  return all;
+}
+
 /// Builds every [variant.NAME]: a table laid over the scenario.
 void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepared, Diagnostics& diagnostics) {
   const Value* tables = plan.root.Find("variant");
@@ -72,9 +91,12 @@ void BuildVariants(const Plan& plan, const Registry& registry, Prepared& prepare
                         "write a table of what it changes");
       continue;
     }
+    Value changes = entry.value;
+    if (const Value* keep = changes.Find("keep"); keep != nullptr && !KeepsOutputs(*keep, plan, diagnostics)) continue;
+    changes.Erase("keep");
     Prepared::Variant variant{entry.key, plan, nullptr};
     variant.plan.root.Erase("variant");
-    MergeInto(variant.plan.root, entry.value);
+    MergeInto(variant.plan.root, changes);
     variant.rig = Rig::Build(variant.plan, registry, *prepared.records, diagnostics);
     if (variant.rig != nullptr) prepared.variants.push_back(std::move(variant));
   }

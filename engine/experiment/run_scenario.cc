@@ -48,10 +48,12 @@ void AddHull(const Prepared& prepared, trace::Trace& trace) {
   }
 }
 
-/// Adds the outputs of every [variant.NAME], each as OUTPUT_NAME, so that one trace holds them all.
+/// Adds the outputs of every [variant.NAME], each as OUTPUT_NAME, so that one trace holds them all; or those alone that
+/// it keeps.
 Status AddVariants(const Prepared& prepared, trace::Trace& trace) {
   for (const Prepared::Variant& variant : prepared.variants) {
     const Rig& rig = *variant.rig;
+    const Value* const keep = prepared.plan.root.Find("variant")->Find(variant.name)->Find("keep");
     const Result<std::unique_ptr<Solver>> solver = MakeSolver(rig.run.solver, rig);
     if (!solver.ok()) return solver.failure();
     Result<Samples> samples = Simulate(rig, **solver);
@@ -63,6 +65,8 @@ Status AddVariants(const Prepared& prepared, trace::Trace& trace) {
     }
     for (std::size_t i = 0; i < rig.outputs.size(); ++i) {
       const OutputLine& line = rig.outputs[i];
+      const auto is_it = [&line](const Value& name) { return name.string() == line.name; };
+      if (keep != nullptr && std::none_of(keep->array().begin(), keep->array().end(), is_it)) continue;
       trace.signals.push_back({line.name + "_" + variant.name, line.unit, line.description + ", " + variant.name,
                                line.nominal, trace::Interpolation::kLinear, std::move(samples->outputs[i]), base});
     }

@@ -38,6 +38,6 @@ bool IsOfStretches(const trace::Trace& thin, const trace::Signal& signal);
 /// The trace with every k-th sample of each signal (k the same prime for all), and beside each signal its
 /// stretches of eight kept samples, up to the last there is, small enough to be kept. A time base of fewer than 4000 samples stays whole, without
 /// stretches.
-trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 180'000);
+trace::Trace Thin(const trace::Trace& trace, std::size_t most_bytes = 190'000);
 
 }  // namespace dynoproof

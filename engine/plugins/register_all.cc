@@ -35,6 +35,7 @@
 #include "plugins/plant/drive_line/drive_line.h"
 #include "plugins/plant/engine_bank/engine_bank.h"
 #include "plugins/plant/fired_cylinder/fired_cylinder.h"
+#include "plugins/plant/firing_order/firing_order.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/plant/moved_body/moved_body.h"
@@ -154,6 +155,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<DriveLine>();
   registry.Add<EngineBank>();
   registry.Add<FiredCylinder>();
+  registry.Add<FiringOrder>();
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();
   registry.Add<MovedBody>();

@@ -17,10 +17,6 @@ Status Simulation::Start() {
     frame_.signals[line.delayed] = frame_.signals[line.command];
   }
   if (Status failed = solver_.Start(frame_)) return failed;
-  for (const InputLine& line : rig_.inputs) {
-    if (line.ring < 0) continue;
-    for (int i = 0; i <= line.delay_periods; ++i) frame_.rings[line.ring + i] = frame_.signals[line.command];
-  }
   solver_.Evaluate(frame_, 0.0);
   for (const OutputLine& line : rig_.outputs) {
     for (int i = 0; line.ring >= 0 && i < line.delay_periods; ++i) {
@@ -63,7 +59,12 @@ void Simulation::HoldCommands() {
     } else {
       command = frame_.signals[line.from];
     }
-    if (line.ring >= 0) frame_.rings[line.ring + frame_.step % (line.delay_periods + 1)] = command;
+    if (line.ring < 0) continue;
+    if (frame_.step == 0) {  // before the run the command was the first one: a control's is known at its first tick
+      std::fill_n(frame_.rings.begin() + line.ring, line.delay_periods + 1, command);
+      frame_.signals[line.delayed] = command;
+    }
+    frame_.rings[line.ring + frame_.step % (line.delay_periods + 1)] = command;
   }
 }
 

@@ -1,6 +1,6 @@
 // The course of a run, written once for both solvers. x: states, u: held signals; - before, + after a tick.
 //
-//   start      sources at t = 0 give u; blocks start; delay lines are filled with their first values
+//   start      sources at t = 0 give u; blocks start; delay lines are filled with their first values (control: tick 0)
 //   tick k     1 sample    evaluate all signals from (x-, u-); samples leave the delay lines of the sensors
 //              2 control   each controller that is due ticks, in data-flow order (ties by name); it sees the samples
 //                          of 1 and the new outputs of the controllers before it

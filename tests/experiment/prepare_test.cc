@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "experiment/run_scenario.h"
 #include "tests/support/build.h"
 #include "tests/support/plan_builder.h"
+#include "tests/support/run_plan.h"
 
 namespace dynoproof {
 namespace {
@@ -38,6 +40,29 @@ TEST(StartFromRecord, LeavesAllElseAlone) {
     }
     EXPECT_EQ(KeysOf(*changed.root.Find("plant")), KeysOf(*plan.root.Find("plant")));
   }
+}
+
+TEST(Variants, KeepTheOutputsThatTheyName) {
+  const auto prepared = [](const Value& keep, std::string* faults) {
+    Plan plan = testing::OneMass(1.0, Value{{"type", "constant"}, {"value", 1.0}}, 0.01);
+    plan.root["variant"] = Value{{"heavy", Value{{"keep", keep}, {"plant", Value{{"inertia", Value{{"I", 2.0}}}}}}}};
+    Diagnostics diagnostics;
+    auto made = Prepare(std::move(plan), {}, testing::BuiltIns(), diagnostics);
+    *faults = diagnostics.Format();
+    return made;
+  };
+  std::string faults;
+  const auto run = prepared(Value(Value::Array{Value("w")}), &faults);
+  ASSERT_NE(run, nullptr) << faults;
+  const Result<Course> course = Play(*run);
+  ASSERT_TRUE(course.ok());
+  ASSERT_NE(course->trace.Find("w_heavy"), nullptr);
+  EXPECT_NEAR(course->trace.Find("w_heavy")->values.back(), 0.5 * course->trace.Find("w")->values.back(), 1e-12);
+  EXPECT_EQ(course->trace.Find("phi_heavy"), nullptr);
+  EXPECT_EQ(prepared(Value(Value::Array{Value("speed")}), &faults), nullptr);
+  EXPECT_NE(faults.find("there is no output \"speed\" to keep"), std::string::npos) << faults;
+  EXPECT_EQ(prepared(Value("w"), &faults), nullptr);
+  EXPECT_NE(faults.find("\"keep\" is no list of names"), std::string::npos) << faults;
 }
 
 }  // namespace

@@ -60,6 +60,28 @@ TEST(StepOrder, DelaysOfAnyLengthAreExact) {
   }
 }
 
+/// Before the run a controller gave what it gives first: a constant torque behind a delay acts from the start.
+TEST(StepOrder, ADelayBehindAControllerBeginsWithItsFirstCommand) {
+  for (const double delay_s : {0.37e-4, 1e-4, 2.5e-4, 1.234567e-3}) {
+    Plan plan = OneMass(1.0, Value{{"type", "constant"}, {"value", 0.0}}, 0.005);
+    plan.root["control"] = Value{{"hold", Value{{"type", "speed_pi"},
+                                                {"k_P_Nms_per_rad", 0.0},
+                                                {"k_I_Nm_per_rad", 0.0},
+                                                {"limit_Nm", 10.0},
+                                                {"initial_torque_Nm", 2.0},
+                                                {"inputs", Value{{"reference", "output.w"}, {"speed", "output.w"}}}}}};
+    plan.root["input"]["T"] = Value{{"to", "plant.T"},
+                                    {"from", "control.hold.torque"},
+                                    {"actuator", Value(Value::Array{Value{{"type", "delay"}, {"delay_s", delay_s}}})}};
+    for (const char* solver : kSolvers) {
+      const Samples samples = RunPlan(plan, solver);
+      for (std::size_t k = 0; k < samples.time.size(); ++k) {
+        EXPECT_NEAR(samples.outputs[0][k], 2.0 * samples.time[k], 1e-13) << delay_s << " " << solver << " row " << k;
+      }
+    }
+  }
+}
+
 /// First-order lag (2.4) before a unit inertia: w = t - tau (1 - exp(-t/tau)) behind a step.
 TEST(StepOrder, ActuatorLagActsInContinuousTime) {
   // A lag starts in the steady state of the first command, so the step comes one tick later.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "tests/support/count_allocations.h"
 #include "tests/support/gas_engine.h"
@@ -59,6 +60,30 @@ TEST(GasEngine, SpeedFallsByTheTorqueOverTheInertiaAtFirst) {
     const double expected = -torque / 2000.0 * 1e-4 * static_cast<double>(k);
     // Torque and load grow as the speed falls by up to 5e-4, gas torque by angles that differ: 2e-3 is seen.
     EXPECT_NEAR((with[3000 + k] - without[3000 + k]) / expected, 1.0, 5e-3) << k;
+  }
+}
+
+TEST(GasEngine, ShaftSwingsByTheFiringOrdersOverItsInertia) {
+  // Fourier sums over 25 cycles before the load step: a rigid shaft has T/(I q w) of each order q.
+  const auto engine =
+      testing::EngineScenario("hil_firing_orders", {"run.duration_s=5.0", "output.torque.of=\"part.strokes.torque\""});
+  const Samples samples = RunRig(*engine->rig, "realtime");
+  const std::size_t from = 20'000, n = 30'000;
+  double mean = 0.0;
+  for (std::size_t k = from; k < from + n; ++k) mean += Of(*engine, samples, "speed")[k] / static_cast<double>(n);
+  const auto amplitude = [&](const char* name, double order) {
+    std::complex<double> sum;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double share = static_cast<double>(k) / static_cast<double>(n),
+                   window = 1.0 - std::cos(2.0 * std::numbers::pi * share);
+      sum += window * Of(*engine, samples, name)[from + k] *
+             std::polar(1.0, -order * mean * 1e-4 * static_cast<double>(k));
+    }
+    return 2.0 * std::abs(sum) / static_cast<double>(n);
+  };
+  for (const double order : {10.0, 20.0}) {
+    // 2e-3 is seen of the higher one, whose torque is a fifth of the lower one's; the generator's torque falls with the speed.
+    EXPECT_NEAR(amplitude("speed", order) / (amplitude("torque", order) / (2000.0 * order * mean)), 1.0, 5e-3) << order;
   }
 }
 

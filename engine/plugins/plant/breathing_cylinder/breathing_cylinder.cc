@@ -105,7 +105,8 @@ BreathingCylinder::BreathingCylinder(const Params& params)
                      {"work", "J", "work of the closed part before that, against the crankcase", 1e5},
                      {"air_ratio", "1", "its air ratio lambda, at most 10", 1.0},
                      {"knock", "1", "its knock intensity, 1: the limit", 1.0},
-                     {"nox", "1", "its NOx over the limit", 1.0}};
+                     {"nox", "1", "its NOx over the limit", 1.0},
+                     {"prechamber_flow", "kg/s", "gas that scavenges the pre-chamber", 0.01}};
   layout_.states = {{"air", "kg", "fresh air", 0.1},
                     {"exhaust", "kg", "exhaust gas", 0.1},
                     {"energy", "J", "internal energy", 1e4},
@@ -158,8 +159,17 @@ double BreathingCylinder::FuelFlow(const View& view, double phi) const {
   const double since = WithinCycle(phi - injection_.opens);
   if (since > injection_.longest) return 0.0;
   const double timed = mechanics::OrificeFlow(fuel_gas_, injection_.area, u[kGasReference], u[kChargeReference]);
-  const double share = injection_.Share(since, injection_.Width(u[kFuel], u[kSpeed], timed));
+  const double share =
+      injection_.Share(since, injection_.Width((1.0 - p_.prechamber_share) * u[kFuel], u[kSpeed], timed));
   return mechanics::OrificeFlow(fuel_gas_, injection_.area * share, u[kGasPressure], u[kChargePressure]);
+}
+
+/// Smoothly over the same part of the cycle as the gas valve has: the dose alone is given.
+double BreathingCylinder::PrechamberFlow(const View& view) const {
+  if (p_.prechamber_share == 0.0) return 0.0;
+  const double speed = view.inputs[kSpeed], centre = injection_.opens + 0.5 * injection_.longest;
+  const double rate = mechanics::BurnRate(WithinCycle(view.inputs[kAngle]), centre, injection_.longest);
+  return speed > 0.0 ? p_.prechamber_share * view.inputs[kFuel] * speed * rate : 0.0 * speed;
 }
 
 BreathingCylinder::Exchange BreathingCylinder::At(const View& view) const {
@@ -197,7 +207,7 @@ void BreathingCylinder::Derivative(const View& view, std::span<double> rates) co
   own += Charge{{-air * at.burn, (air + fuel) * at.burn}, at.heat - at.power};
   std::fill(rates.begin(), rates.end(), 0.0);
   Put(own, 0, rates);
-  rates[kFuelMass] = at.fuel - fuel * at.burn;
+  rates[kFuelMass] = at.fuel + PrechamberFlow(view) - fuel * at.burn;
   rates[kPistonWork] = at.power - p_.crankcase_pressure_Pa * at.lever * view.inputs[kSpeed];
 }
 
@@ -216,6 +226,7 @@ void BreathingCylinder::Output(const View& view, std::span<double> outputs) cons
   outputs[kEnergyIn] = at.intake.energy + at.heat - at.power;
   for (int i = 0; i < 4; ++i) outputs[kTrappedAir + i] = view.states[kAirAtIvc + i];
   for (int i = 0; i < 5; ++i) outputs[kEvoPressure + i] = view.states[kMeasuredPressure + i];
+  outputs[kPrechamberFlow] = PrechamberFlow(view);
 }
 
 void BreathingCylinder::Trap(const View& view, std::span<double> states) const {

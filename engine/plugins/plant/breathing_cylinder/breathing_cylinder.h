@@ -2,7 +2,7 @@
 // it breathes from a charge pipe into an exhaust pipe, gets its gas in one injection a cycle, burns and is measured.
 //
 //   m_j' = flows through the valves -+ what burns      U' = sum h q + Q_w + H_u m_fuel x'(phi) w - p V'
-//   fuel' = A(phi) p_g/sqrt(R theta) Psi(p_g/p_ch) - m_fuel x'(phi) w
+//   fuel' = A(phi) p_g/sqrt(R theta) Psi(p_g/p_ch) + s m_wanted y'(phi) w - m_fuel x'(phi) w
 // Valves, wall heat and gases are those of engine_bank: with the same pipes the two trap the same charge. The gas valve is
 // timed for the pressures that are wanted; what it lets pass depends on those that are. Fuel takes no room and brings no
 // heat before it burns, as in the bank; burning turns all air of the charge into exhaust gas.
@@ -31,8 +31,8 @@ class BreathingCylinder : public Component {
     CycleIndices indices;
     double wall_theta_K = 450.0, wall_factor = 1.0, crankcase_pressure_Pa = 101300.0, heating_value_J_per_kg = 47e6,
            heat_share = 1.0, heat_at_deg = 10.0, burn_deg = 40.0, laminar_ratio = 0.01, injection_area_m2 = 0.0,
-           injection_opens_deg = 0.0, injection_edge_deg = 10.0, fuel_R_J_per_kg_K = 518.0, fuel_theta_K = 300.0,
-           start_p_evo_Pa = 0.0, start_work_J = 0.0;
+           injection_opens_deg = 0.0, injection_edge_deg = 10.0, prechamber_share = 0.0, fuel_R_J_per_kg_K = 518.0,
+           fuel_theta_K = 300.0, start_p_evo_Pa = 0.0, start_work_J = 0.0;
     void Visit(auto& v) {
       geometry.Visit(v);
       v.Required("valves", valves, Any(), "intake and exhaust, as in the bank");
@@ -41,6 +41,8 @@ class BreathingCylinder : public Component {
                  "crank angle, behind the end of scavenging");
       v.Optional("injection_edge_deg", injection_edge_deg, Between(1.0, 90.0, "deg"),
                  "crank angle over which it opens, and closes");
+      v.Optional("prechamber_share", prechamber_share, Between(0.0, 0.5),
+                 "of the fuel, that scavenges the pre-chamber from a line of its own");
       v.Optional("fuel_R_J_per_kg_K", fuel_R_J_per_kg_K, Positive(), "specific gas constant of the fuel gas");
       v.Optional("fuel_theta_K", fuel_theta_K, Positive(), "its temperature");
       gases.Visit(v);
@@ -91,13 +93,16 @@ class BreathingCylinder : public Component {
     kWork,
     kAirRatio,
     kKnock,
-    kNox
+    kNox,
+    kPrechamberFlow
   };
   static PluginInfo Info();
   explicit BreathingCylinder(const Params& params);
 
   void Start(std::span<const double> inputs, std::span<double> states, std::span<int> modes) const override;
-  bool FeedsThrough(int in, int out) const override { return in != kRetard && out < kTrappedAir; }
+  bool FeedsThrough(int in, int out) const override {
+    return in != kRetard && (out < kTrappedAir || out == kPrechamberFlow);
+  }
   void Output(const View& view, std::span<double> outputs) const override;
   void Derivative(const View& view, std::span<double> rates) const override;
   void OnEvent(const View& view, int guard, std::span<double> states, std::span<int> modes) const override;
@@ -107,12 +112,13 @@ class BreathingCylinder : public Component {
   struct Exchange {
     mechanics::GasState gas;
     mechanics::Charge intake, exhaust;  // into the cylinder, out of it
-    double fuel, burn;                  // [kg/s], share of the trapped fuel that burns [1/s]
+    double fuel, burn;                  // through the gas valve [kg/s], share of the trapped fuel that burns [1/s]
     double heat, power;                 // from walls and combustion [W]; to the piston [W]
     double lever;                       // dV/dphi [m^3/rad]
   };
   Exchange At(const View& view) const;
   double FuelFlow(const View& view, double phi) const;
+  double PrechamberFlow(const View& view) const;
   double VolumeAt(double angle) const { return p_.geometry.Volume(angle); }
   /// What the closing intake traps, and what the opening exhaust shows, at an angle up to a tick behind it.
   void Trap(const View& view, std::span<double> states) const;
