@@ -38,7 +38,7 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       const double from_s = std::max(options.from_s, options.from_share * record.end_s);
       const auto first = std::lower_bound(t.begin(), t.end(), from_s) - t.begin();
       Eigen::Index every = 1;
-      while ((std::ssize(t) - first) / every > options.most_rows) ++every;
+      while ((std::ssize(t) - first + every - 1) / every > options.most_rows) ++every;
       Channel channel;
       channel.record = r;
       channel.name = name;

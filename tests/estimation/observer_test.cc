@@ -2,13 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "estimation/estimator.h"
 #include "estimation/predictor.h"
-#include "experiment/drive_by_record.h"
 #include "tests/estimation/four_masses.h"
 #include "tests/estimation/made_record.h"
 
@@ -76,89 +72,6 @@ TEST(Observer, ReachesItsMemoryOnALine) {
       EXPECT_NEAR(rms / alone[static_cast<Eigen::Index>(c)], 1.0, 0.05) << channel.name << " " << memory_s;
     }
   }
-}
-
-TEST(Predictor, WithoutCorrectionIsTheFreeRun) {
-  const Plan plan = FourMasses(0.2);
-  const MappedRecord record = RecordOf(plan, 0.0, {"T_shaft", "omega_1"});
-  const DataSet data({record}, plan);
-  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
-  ASSERT_TRUE(model.ok());
-  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr);
-  const Result<Eigen::VectorXd> rows = free.Innovations(plan);
-  ASSERT_TRUE(rows.ok());
-  EXPECT_EQ(rows->cwiseAbs().maxCoeff(), 0.0);
-}
-
-TEST(Predictor, ALedRunHasForgottenWhereItStarted) {
-  const Plan plan = FourMasses(0.3);
-  Plan moving = plan;
-  moving.root["plant"]["initial_speed_rad_per_s"] = Value(3.0);
-  const DataSet data({RecordOf(moving, 0.0, {"T_shaft", "omega_1"})}, plan, {.from_s = 0.2});
-  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
-  ASSERT_TRUE(model.ok());
-  const Predictor strong(data, *model, testing::BuiltIns(), 0.01, nullptr);
-  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr), led(strong, 0.2, std::nullopt),
-      in_steps(Predictor(strong, 0.1, 0.03), 0.2, std::nullopt), weak(strong, 0.2, 10.0);
-  const auto speed_off = [&](const Predictor& predictor) {
-    const Channel& speed = *std::ranges::find(data.channels(), "omega_1", &Channel::name);
-    return predictor.Innovations(plan)->segment(speed.begin, speed.count).cwiseAbs().maxCoeff();
-  };
-  EXPECT_NEAR(speed_off(free), 3.0, 1e-9);
-  for (const Predictor* one : {&led, &in_steps, &weak}) {
-    EXPECT_LT(speed_off(*one), 1e-3);  // e^-20 of it, and what the slower modes still know
-    EXPECT_EQ(one->free_run(), one != &weak);
-  }
-}
-
-TEST(Hypothesis, TheStartOfARecordIsAParameter) {
-  Plan plan = FourMasses(0.3);
-  Plan moving = plan;
-  moving.root["plant"]["initial_speed_rad_per_s"] = Value(3.0);
-  EXPECT_TRUE(Hypothesis(plan).WithStartFree(0, testing::BuiltIns()).parameters().empty()) << "none in the plan";
-  plan.root["of_record"]["0"]["start"]["plant"]["initial_speed_rad_per_s"] = Value(2.5);
-  const Hypothesis hypothesis = Hypothesis(plan).WithStartFree(0, testing::BuiltIns());
-  ASSERT_EQ(hypothesis.parameters().size(), 1u);
-  const DataSet data({RecordOf(moving, 0.01, {"T_shaft", "omega_1"})}, plan);
-  const Result<LinearModel> model = LinearModel::Of(StartingInto(plan, 0), data.records().front(), testing::BuiltIns());
-  ASSERT_TRUE(model.ok());
-  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr);
-  const Estimate fit = Fit(hypothesis, free, hypothesis.start());
-  ASSERT_TRUE(fit.ok()) << fit.broken;
-  const double deviation = std::sqrt(Sandwich(fit, data, hypothesis)(0, 0)) * hypothesis.parameters()[0].scale;
-  EXPECT_NEAR(hypothesis.parameters()[0].ValueAt(fit.q[0]), 3.0, 4.0 * deviation);
-  EXPECT_LT(deviation, 0.01);
-}
-
-TEST(Predictor, OfALinearModelIsAKalmanFilter) {
-  const Plan plan = FourMasses(0.3), off = WithEffect(plan, "stiffness_change", "shaft:k2", {0.05});
-  const DataSet data({RecordOf(off, 0.005, {"T_shaft", "omega_1"})}, plan);
-  const MappedRecord& record = data.records().front();
-  const Result<LinearModel> model = LinearModel::Of(plan, record, testing::BuiltIns());
-  ASSERT_TRUE(model.ok());
-  const Predictor predictor(data, *model, testing::BuiltIns(), 0.025, nullptr);
-  const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
-  ASSERT_TRUE(rows.ok());
-  // The filter by matrices: x+ = A (x + K e) + B u, with the reduced model of the same plan; the input is its last force.
-  const LinearModel::Regime& m = model->regimes.front();
-  const double leak = std::exp(-1e-4 / (1e3 * 0.025));  // nothing is remembered for longer than a thousand memories
-  const Eigen::MatrixXd K = mechanics::MakeStationaryFilter(
-                                leak * m.A, m.C, std::pow(predictor.observer()->share(), 2) * m.G * m.G.transpose(),
-                                Eigen::Vector2d(data.channels()[0].noise, data.channels()[1].noise).cwiseAbs2())
-                                .gain;
-  const std::vector<double>& torque = *record.inputs.at("T").values;
-  const double usual = score::RootMeanSquare(torque);
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(m.A.rows());
-  double largest = 0.0, scale = 0.0;
-  for (std::size_t k = 0; k < torque.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    const Eigen::Vector2d y(data.measured()[row], data.measured()[data.channels()[1].begin + row]);
-    const Eigen::Vector2d e = y - m.C * x;
-    largest = std::max(largest, std::abs(e[0] - (*rows)[row]));
-    scale = std::max(scale, std::abs(e[0]));
-    x = (m.A * (x + K * e) + m.G.col(m.G.cols() - 1) * torque[k] / usual).eval();
-  }
-  EXPECT_LT(largest, 1e-6 * scale);  // the reduction leaves out what is seen by less than a millionth
 }
 
 }  // namespace
