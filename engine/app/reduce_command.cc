@@ -45,7 +45,7 @@ void MoveFiles(Value& value, const fs::path& from, const fs::path& to) {
   }
 }
 
-/// What another program makes of a plan: it runs a file of it in a folder of its own.
+/// Another build of this program, which runs a plan as a file in a folder of its own.
 class OtherProgram {
  public:
   OtherProgram(std::string program, const Scratch& scratch) : program_(std::move(program)), folder_(scratch.folder()) {}

@@ -104,7 +104,7 @@ class Judge {
 
 std::string NameOf(const Symptom& one) { return one.name.empty() ? "run" : one.check.name; }
 
-/// What is asked for by its name or the kind of its fault; without a name a check before a fault, the worst of them first.
+/// The symptom of the name, or kind of fault, that was asked for; without one the worst failed check, or the first fault where none failed.
 const Symptom* Chosen(const std::vector<Symptom>& shown, const std::string& asked) {
   const Symptom* chosen = nullptr;
   for (const Symptom& one : shown) {

@@ -30,7 +30,7 @@ std::vector<double> EveryNth(std::span<const double> stamps, std::size_t n) {
 
 bool StaysWhole(std::span<const double> stamps) { return stamps.size() < kWhole; }
 
-/// What a file takes for a set of numbers beside them, and for a number, packed: 0.67 kB and 4 to 6 bytes in golden/pressure.
+/// Size of a data set without its numbers, and of a compressed number, in an HDF5 file: golden/pressure has 0.67 kB and 4 to 6 bytes.
 constexpr std::size_t kBytesOfSet = 700, kBytesOfNumber = 6;
 
 /// Sets of numbers in the file, stretches included.

@@ -44,7 +44,7 @@ Eigen::MatrixXd Sandwich(const Objective& objective, const Optimum& at, const Ei
   return inverse * meat * inverse;
 }
 
-/// What a method with one stage makes small.
+/// The objective that a method with one stage minimises.
 using Misfit = Result<std::unique_ptr<Objective>> (*)(const EstimationProblem& problem);
 
 Result<std::unique_ptr<Objective>> OfFreeRun(const EstimationProblem& problem) { return FreeRunObjective(problem); }

@@ -43,7 +43,7 @@ struct ValueOfRecord {
   double factor = 1.0;                 // on the common value
   std::pair<double, double> interval;  // 95 %, of the factor
 };
-/// What a method saw of the records on its way to the values.
+/// Features of the records that a method has read off them before its fit, as resonances.
 struct Sighting {
   std::string name;                                    // as the JSON has it
   std::map<std::string, std::vector<double>> numbers;  // by their names, which carry the units

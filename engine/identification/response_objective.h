@@ -12,14 +12,14 @@
 
 namespace dynoproof::identification {
 
-/// What a record with both signals of [analysis] shows.
+/// Frequency response of a record that has both signals of [analysis].
 struct MeasuredCurve {
   score::Response response;                           // the hold of the input taken out
   std::shared_ptr<const std::vector<double>> output;  // its rows as they were recorded, in the signal's unit
   double step_s;                                      // from row to row
 };
 
-/// What is measured, in the first record that has both signals. Fails (exit code 2) where there is none, where the plant
+/// That of the first record that has both signals. Fails (exit code 2) where there is none, where the plant
 /// has no frequency response or its signals pass stages, which are no part of it, and where the input does not excite the
 /// band.
 Result<MeasuredCurve> MeasuredResponse(const EstimationProblem& problem);

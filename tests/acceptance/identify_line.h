@@ -1,6 +1,7 @@
 // A record of a line whose numbers are known, for `dynoproof identify` from outside.
 #pragma once
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -30,6 +31,16 @@ class IdentifyLine : public ::testing::Test {
   }
   Outcome Call(const std::vector<std::string>& more) const { return bench_.Call(Words(more)); }
   nlohmann::json Json(const std::vector<std::string>& more) const { return bench_.Json(Words(more)); }
+  /// `method` needs the frequency response of [analysis], which the line has lost here.
+  void ExpectToNeedAnalysis(const std::string& method) {
+    std::string text = Bench::kLine;
+    text.replace(text.find("[analysis]"), text.find("[[check]]") - text.find("[analysis]"), "");
+    bench_.Write("without.toml", text);
+    const Outcome outcome =
+        bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", method});
+    EXPECT_EQ(outcome.exit, 2);
+    EXPECT_THAT(outcome.err, ::testing::HasSubstr("needs [analysis]"));
+  }
   /// The last shaft and its inertia, wherever they lie: what the search starts from is a third of the truth, or three
   /// times it. The record's angular speed fixes the size of all.
   std::vector<std::string> FarOff(std::vector<std::string> more) const {

@@ -170,13 +170,7 @@ TEST_F(Identify, WritesOverNothingButItsOwn) {
 
 TEST_F(Identify, AResponseNeedsADriveLineWithOne) {
   Record();
-  std::string text = Bench::kLine;
-  text.replace(text.find("[analysis]"), text.find("[[check]]") - text.find("[analysis]"), "");
-  bench_.Write("without.toml", text);
-  const Outcome outcome =
-      bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", "response"});
-  EXPECT_EQ(outcome.exit, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("needs [analysis]"));
+  ExpectToNeedAnalysis("response");
 }
 
 }  // namespace

@@ -38,13 +38,7 @@ TEST_F(TwoStage, TakesNoStagesAndNeedsAFrequencyResponse) {
                                kInertia, "--method", "two_stage"});
   EXPECT_EQ(staged.exit, 2);
   EXPECT_THAT(staged.err, HasSubstr("output.T_shaft.sensor is no part"));
-  std::string text = Bench::kLine;
-  text.replace(text.find("[analysis]"), text.find("[[check]]") - text.find("[analysis]"), "");
-  bench_.Write("without.toml", text);
-  const Outcome without =
-      bench_.Call({"identify", "without.toml", "--data", "record.csv", "--free", kInertia, "--method", "two_stage"});
-  EXPECT_EQ(without.exit, 2);
-  EXPECT_THAT(without.err, HasSubstr("needs [analysis]"));
+  ExpectToNeedAnalysis("two_stage");
 }
 
 }  // namespace
