@@ -95,13 +95,6 @@ bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Level
          LogExcess(leader->levels[level].scales, levels.data()) + std::log(policy::kFarBehind);
 }
 
-/// Whether a model may be exact where its run is corrected less: it is near the noise here.
-bool NearTheNoise(const Estimate& estimate) {
-  constexpr double kNear = 3.0;
-  return std::ranges::all_of(estimate.scales,
-                             [](const ChannelScale& one) { return one.rms <= kNear * one.noise_alone; });
-}
-
 /// Once more from the values that another model has found, where that ends lower.
 void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& null, const Levels& levels,
              std::size_t level) {
@@ -182,7 +175,7 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
     const std::size_t before = std::min(levels.longest(), level);
     const auto follows = [&](std::size_t i) {
       const Contestant& own = contestants[i];
-      return left[i].empty() && !(between && own.Holds(before) && !NearTheNoise(own.levels[before]));
+      return left[i].empty() && !(between && own.Holds(before) && !IsNearTheNoise(own.levels[before]));
     };
     const Contestant null = contestants.front();
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {

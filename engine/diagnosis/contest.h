@@ -28,6 +28,10 @@ struct Contest {
   std::vector<Cost> cost;
 
   const Contestant& null() const { return contestants.front(); }
+  static std::string Pass(bool released) {
+    return released ? "nominal values released" : "nominal values on their priors";
+  }
+  std::string pass() const { return Pass(released); }
 };
 
 /// The plan without further effects, its nominal values and the starts of records that it holds free.

@@ -30,6 +30,12 @@ bool IsExact(const std::vector<ChannelScale>& scales) {
 
 bool IsExact(const Estimate& estimate) { return IsExact(estimate.scales); }
 
+bool IsNearTheNoise(const Estimate& estimate) {
+  constexpr double kNear = 3.0;
+  return std::ranges::all_of(estimate.scales,
+                             [](const ChannelScale& one) { return one.rms <= kNear * one.noise_alone; });
+}
+
 bool IsQuiet(const Estimate& estimate, const DataSet& data) {
   for (std::size_t c = 0; c < estimate.scales.size(); ++c) {
     if (estimate.scales[c].noise_alone > policy::kQuiet * data.channels()[c].noise) return false;

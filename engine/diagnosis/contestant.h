@@ -29,6 +29,8 @@ struct Contestant {
 /// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
 bool IsExact(const std::vector<estimation::ChannelScale>& scales);
 bool IsExact(const estimation::Estimate& estimate);
+/// Whether a model may be exact where its run is corrected less, or once its fit has ended: what it leaves is near the noise.
+bool IsNearTheNoise(const estimation::Estimate& estimate);
 /// Whether a level hears noise about as softly as the free run does. Where a correction makes it louder, models pass for exact
 /// that the free run tells apart.
 bool IsQuiet(const estimation::Estimate& estimate, const estimation::DataSet& data);

@@ -11,6 +11,7 @@
 #include "diagnosis/detection.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/policy.h"
+#include "diagnosis/second_look.h"
 #include "diagnosis/settle.h"
 #include "diagnosis/weights.h"
 #include "identification/residual_tests.h"
@@ -141,7 +142,7 @@ class Pipeline {
 
   Result<Diagnosis> Run() {
     const Registry& registry = problem_.registry();
-    Result<Answer> answer = Ask(NullOf(begun_, false, levels_, registry), false, "nominal values on their priors");
+    Result<Answer> answer = Ask(NullOf(begun_, false, levels_, registry), false, Contest::Pass(false));
     if (!answer.ok()) return answer.failure();
     const Answer first = WithFurtherCauses(*answer);
     if (first.settled.exact) {
@@ -150,7 +151,7 @@ class Pipeline {
       // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
       Contestant null = NullOf(begun_, true, levels_, registry);
       released_ = null;
-      Result<Answer> released = Ask(std::move(null), true, "nominal values released");
+      Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
       if (released.ok() && released->contest.complete) {
         if (!released->settled.exact)
           answer->settled = Settle(answer->contest, levels_, passes_[0], LeastOf(passes_, levels_.size()));
@@ -211,9 +212,20 @@ class Pipeline {
     const std::size_t level = settled.level, numbers = hypothesis.parameters().size();
     if (numbers == contest.null().hypothesis.parameters().size()) return {};
     const Contestant& cause = contest.contestants[settled.causes.front()];
-    const estimation::Estimate fit =
-        estimation::Fit(hypothesis, levels_[level], StartFrom(hypothesis, cause.hypothesis, cause.levels[level].q),
-                        {.renewals = 6, .of_excess = policy::kCarriedTo});
+    const auto fit_from = [&](const Contestant& other, const estimation::EstimatorOptions& how) {
+      const Eigen::VectorXd start = StartFrom(hypothesis, other.hypothesis, other.levels[level].q);
+      return estimation::Fit(hypothesis, levels_[level], start, how);
+    };
+    // A start moves a linear run along columns that do not change: where a few steps come nowhere near the noise, none does.
+    const Contestant& null = contest.null();
+    estimation::Estimate fit;
+    if (null.Holds(level)) {
+      const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+      fit = fit_from(null,
+                     {.points = policy::kRoughPoints, .of_excess = policy::kLookedAt, .near = true, .known = known});
+    }
+    if (!null.Holds(level) || !fit.ok() || IsNearTheNoise(fit))
+      fit = fit_from(cause, {.renewals = 6, .of_excess = policy::kCarriedTo});
     if (!fit.ok()) return {};
     const double worse = LeftMore(fit, cause.levels[level], levels_.data());
     const bool exact = IsExact(fit), stands = exact && worse < policy::kAsWell;
@@ -231,9 +243,9 @@ class Pipeline {
     }
     result_.journal.push_back(std::move(entry));
     if (!stands) return {};
-    Contestant null = NullOf(begun, contest.released, levels_, problem_.registry());
-    null.levels[level] = fit;
-    Result<Answer> next = Ask(std::move(null), contest.released, "with a start of its own");
+    Contestant with_start = NullOf(begun, contest.released, levels_, problem_.registry());
+    with_start.levels[level] = fit;
+    Result<Answer> next = Ask(std::move(with_start), contest.released, "with a start of its own");
     if (!next.ok() || !next->contest.complete) return {};
     begun_ = begun;
     return *std::move(next);
@@ -242,19 +254,49 @@ class Pipeline {
   /// Once more with the cause in the model, for there may be several.
   Answer WithFurtherCauses(Answer answer) {
     for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
-      const Settled& settled = answer.settled;
-      const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
-      const std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
-                                                : most                  ? settled.best
-                                                                        : std::nullopt;
-      if (!leader || Spent()) break;
-      const Contestant& null = answer.contest.contestants[*leader];
-      if (!answer.contest.released && !NearEnough(null)) break;
+      const std::optional<std::size_t> base = BaseOf(answer);
+      if (!base || Spent()) break;
+      const Contestant& null = answer.contest.contestants[*base];
       Result<Answer> next = Ask(null, answer.contest.released, "with " + null.Name());
       if (!next.ok() || !Adds(answer, *next)) break;
       answer = *std::move(next);
     }
     return answer;
+  }
+
+  /// On top of which contestant a further cause is looked for: the cause that was found, or what explains most; but where two
+  /// effects together leave less than that one with any other does, one of these. Under the priors something has to be near the
+  /// noise.
+  std::optional<std::size_t> BaseOf(const Answer& answer) {
+    const auto& [contest, settled] = answer;
+    const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
+    std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
+                                        : most                  ? settled.best
+                                                                : std::nullopt;
+    std::vector<Base> bases;
+    if (!Spent() && contest.null().hypothesis.effects().empty()) {
+      const Conduct conduct{[](double) {}, [&] { return Spent(); }, &saved_, "pairs, " + contest.pass()};
+      bases = BasesOfPairs(contest, levels_, magnitudes_, problem_.registry(), conduct);
+    }
+    const auto of_leader =
+        std::ranges::find_if(bases, [&](const Base& base) { return leader && base.contestant == *leader; });
+    const bool near = of_leader != bases.end() && IsNearTheNoise(of_leader->fit());
+    if (leader && !contest.released && !near && !NearEnough(contest.contestants[*leader])) leader.reset();
+    if (bases.empty()) return leader;
+    const Base& best = bases.front();
+    const auto left = [&](const Base& base) { return LogExcess(base.fit().scales, levels_.data()); };
+    const bool less = of_leader == bases.end() || left(*of_leader) - left(best) > std::log(policy::kMarginBest);
+    const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
+    JournalEntry entry{"second look",
+                       {best.pair.Name()},
+                       "excess of the best pair on top of each, " + levels_.Name(best.level),
+                       {},
+                       takes    ? "goes on from " + contest.contestants[best.contestant].Name()
+                       : leader ? "goes on from " + contest.contestants[*leader].Name()
+                                : "none is near the noise"};
+    for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * left(base)));
+    result_.journal.push_back(std::move(entry));
+    return takes ? best.contestant : leader;
   }
 
   void Enter(const Contest& contest, const Settled& settled, const std::string& stage) {

@@ -19,23 +19,22 @@ using estimation::Fit;
 /// it leaves none, those whose score test (Rao 1948) says that they remove more than noise lets a candidate remove by chance,
 /// and the first few in any case, for the report.
 std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size_t level,
-                         const std::vector<std::size_t>& order, const std::vector<Sketch>& sketches) {
+                         const std::vector<std::size_t>& order, const std::vector<Sketch>& sketches, std::size_t most) {
   const Estimate& estimate = null.levels[level];
-  if (HasExcess(estimate, levels.data())) return policy::kLookedAtMost;
+  if (HasExcess(estimate, levels.data())) return most;
   const double power = estimate.weighted.squaredNorm();  // of rows that noise alone makes about one each
   const auto chance =
       std::ranges::find_if(order, [&](std::size_t i) { return sketches[i].removes * power < policy::kByChance; });
-  return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast,
-                                 policy::kLookedAtMost);
+  return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast, most);
 }
 
-/// A cheap fit at a level, and at the next one.
+/// A cheap fit at a level, and at as many as follow.
 Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null, const Levels& levels,
-                   std::size_t level) {
+                   std::size_t level, std::size_t count) {
   Contestant contestant(candidate.hypothesis);
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
-  for (std::size_t at = level; at < std::min(level + 2, levels.size()); ++at) {
+  for (std::size_t at = level; at < std::min(level + count, levels.size()); ++at) {
     if (!null.Holds(at)) continue;
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
     contestant.levels[at] = AsLoudAs(null, at,
@@ -57,10 +56,11 @@ Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null
 }  // namespace
 
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
-                 const Registry& registry, const Conduct& conduct) {
+                 const Registry& registry, const Conduct& conduct, const Scope& scope) {
   constexpr std::size_t kAtOnce = 16;  // between two questions whether to go on
   constexpr double kSketched = 0.6;    // of the work
-  const std::vector<Trial> candidates = TrialsOf(null.hypothesis, levels, magnitudes, registry);
+  std::vector<Trial> candidates = TrialsOf(null.hypothesis, levels, magnitudes, registry);
+  std::erase_if(candidates, [&](const Trial& candidate) { return !scope.takes(candidate); });
   const Screens screens(null, levels, level);
   std::atomic<std::size_t> done = 0;
   const auto in_parts = [&](std::size_t count, double from, double to, const auto& work) {
@@ -92,12 +92,15 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
   }
   std::ranges::stable_sort(order,
                            [&](std::size_t a, std::size_t b) { return sketches[a].removes > sketches[b].removes; });
-  order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches)));
+  order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches, scope.most_fits)));
   std::vector<std::optional<Contestant>> seen(order.size());
-  in_parts(order.size(), kSketched, 1.0,
-           [&](std::size_t i) { seen[i] = FitOnce(candidates[order[i]], sketches[order[i]].q, null, levels, level); });
+  in_parts(order.size(), kSketched, 1.0, [&](std::size_t i) {
+    const Sketch& sketch = sketches[order[i]];
+    seen[i] = FitOnce(candidates[order[i]], sketch.q, null, levels, level, scope.levels);
+  });
   for (std::optional<Contestant>& one : seen) {
-    if (one && (one->Holds(level) || one->Holds(level + 1))) looked.ranked.push_back(*std::move(one));
+    if (one && (one->Holds(level) || (scope.levels > 1 && one->Holds(level + 1))))
+      looked.ranked.push_back(*std::move(one));
   }
   std::ranges::stable_sort(looked.ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
   return looked;

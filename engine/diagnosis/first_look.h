@@ -2,11 +2,14 @@
 // promise most fitted once, cheaply: which share of what the null leaves they remove.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "diagnosis/conduct.h"
 #include "diagnosis/contestant.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/trial.h"
 
 namespace dynoproof::diagnosis {
 
@@ -16,9 +19,16 @@ struct Looked {
       silent;  // at no size that was tried do they move an output so that it shows beside the noise
 };
 
+/// What is looked at: which candidates, how many of them are fitted, and at how many levels.
+struct Scope {
+  std::function<bool(const Trial&)> takes = [](const Trial&) { return true; };
+  std::size_t most_fits = policy::kLookedAtMost;
+  std::size_t levels = 2;
+};
+
 /// On top of the null, at `level` and the next one; where the conduct ends it, of those that were looked at by then. The null
 /// holds at `level`. `magnitudes`: of the first record.
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
-                 const Registry& registry, const Conduct& conduct);
+                 const Registry& registry, const Conduct& conduct, const Scope& scope = {});
 
 }  // namespace dynoproof::diagnosis

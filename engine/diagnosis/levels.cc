@@ -15,6 +15,8 @@ using estimation::DataSet;
 using estimation::LinearModel;
 using estimation::Predictor;
 
+constexpr double kLongerAtLeast = 1.05;  // of the memory before: a level of its own
+
 Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
                                            const Registry& registry, double compared_from, Index most_rows,
                                            const Levels* like, double most_s) {
@@ -59,6 +61,7 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   auto& all = levels->predictors_;
   std::vector<std::optional<double>> memories(levels->memories_s_.begin(), levels->memories_s_.end());
   if (!window_s || memories.empty()) memories.push_back(std::nullopt);
+  std::vector<double> kept;
   for (const std::optional<double>& memory : memories) {
     const bool led = !all.empty() && (in_motion || (!memory && from_s > 0.0));
     if (led && in_motion && all.size() == 1 && memory)
@@ -67,6 +70,17 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
       all.push_back(std::make_unique<Predictor>(*all[in_motion && all.size() > 1 ? 1 : 0], from_s, memory));
     else
       all.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
+    // What forgets by itself has no longer memory than that: the same level once more tells nothing.
+    const auto reached = [](const Predictor& one) { return one.observer()->memory_s(); };
+    if (like == nullptr && memory && !window_s && all.size() > 2 && !all.back()->free_run() &&
+        reached(*all.back()) < kLongerAtLeast * reached(*all[all.size() - 2]))
+      all.pop_back();
+    else if (memory)
+      kept.push_back(*memory);
+  }
+  if (like == nullptr && !kept.empty()) {
+    levels->memories_s_ = kept;
+    levels->longest_ = std::min(levels->longest_, kept.size() - 1);
   }
   if (!in_motion && from_s > 0.0 && all.back()->free_run())
     levels->from_the_start_ =

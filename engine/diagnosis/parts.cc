@@ -29,10 +29,10 @@ double LogPowerOf(const Plan& plan, const Levels& levels) {
 
 /// The excess of a plan's innovations over noise; nothing where its run breaks.
 std::optional<LeftThere> LeftBeside(const Plan& plan, const Levels& levels, const estimation::Predictor& predictor) {
-  const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
-  if (!rows.ok()) return std::nullopt;
+  const Result<estimation::Prediction> there = predictor.Predict(plan);
+  if (!there.ok()) return std::nullopt;
   const std::vector<estimation::ChannelScale> scales =
-      estimation::ScalesOf(levels.data(), *rows, predictor.NoiseAlone(plan));
+      estimation::ScalesOf(levels.data(), there->innovations, there->noise_alone);
   return LeftThere{LogExcess(scales, levels.data()), IsExact(scales)};
 }
 

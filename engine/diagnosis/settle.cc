@@ -85,10 +85,6 @@ bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::si
   return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
-std::string PassOf(const Contest& contest) {
-  return contest.released ? "nominal values released" : "nominal values on their priors";
-}
-
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
   std::string text;
   for (const std::size_t i : which) text += (text.empty() ? "" : ", ") + contest.contestants[i].Name();
@@ -156,7 +152,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
   std::ranges::stable_sort(standing, by_share);
   std::ranges::stable_sort(only_here, by_share);
-  settled.rule = "a model leaves nothing but noise (" + levels.Name(level) + ", " + PassOf(contest) + ")";
+  settled.rule = "a model leaves nothing but noise (" + levels.Name(level) + ", " + contest.pass() + ")";
   settled.causes = standing;
   if (standing.empty()) {
     const bool null = all[0].Holds(level) && IsExact(all[0].levels[level]) && level == levels.free_run();
@@ -241,7 +237,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
       numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
     settled.journal.push_back({"comparison",
                                {all[i].Name(), "nominal model"},
-                               "no model is exact, " + PassOf(contest),
+                               "no model is exact, " + contest.pass(),
                                std::move(numbers),
                                in             ? "admitted"
                                : !beats(i, 0) ? "does not beat the nominal model"
@@ -269,7 +265,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   }
   KeepPlainer(contest, plain, beats);
   std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, shorter) < held(b, shorter); });
-  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + PassOf(contest) + ")";
+  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + contest.pass() + ")";
   settled.causes = plain;
   double largest = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i) {

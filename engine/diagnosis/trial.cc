@@ -43,8 +43,12 @@ std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& le
                             const Registry& registry) {
   std::vector<Trial> candidates;
   const DataSet& data = levels.data();
+  const Plan with_effects = base.At(base.start());
   for (const Effect* effect : registry.Effects()) {
+    // An effect of the base may have taken a place away: lumps that it stands for as one rotor.
+    const std::vector<Place> there = effect->Places(with_effects);
     for (const Place& place : effect->Places(base.nominal())) {
+      if (std::ranges::find(there, place) == there.end()) continue;
       if (!CanBeSeen(place, data.channels(), data.records().front())) continue;
       if (std::ranges::find(base.effects(), Hypothesis::Applied{effect, place}) != base.effects().end()) continue;
       Trial candidate{effect, place, base.With(*effect, place, magnitudes), {}, SizedWith(effect->info())};

@@ -45,13 +45,12 @@ class Residual : public ceres::CostFunction {
   std::optional<Point> At(const VectorXd& q) const {
     if (last_ && last_->q == q) return last_;
     ++points_;
-    const Plan plan = hypothesis_.At(q);
-    Result<VectorXd> innovations = predictor_.Innovations(plan);
-    if (!innovations.ok()) {
-      broken_ = innovations.failure().ToString();
+    Result<Prediction> prediction = predictor_.Predict(hypothesis_.At(q));
+    if (!prediction.ok()) {
+      broken_ = prediction.failure().ToString();
       return std::nullopt;
     }
-    last_ = Point{q, *std::move(innovations), predictor_.NoiseAlone(plan)};
+    last_ = Point{q, std::move(prediction->innovations), std::move(prediction->noise_alone)};
     return last_;
   }
 

@@ -44,18 +44,17 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
   horizon.in_motion = record.in_motion;
   for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.noise / channel.spread;
   const auto look = [&](const Predictor& predictor) -> Result<HorizonLevel> {
-    const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
-    if (!rows.ok()) return rows.failure();
-    const Eigen::VectorXd alone = predictor.NoiseAlone(plan);
+    const Result<Prediction> there = predictor.Predict(plan);
+    if (!there.ok()) return there.failure();
     HorizonLevel level;
     level.at_noise = true;
     Eigen::Index c = 0;
     for (const Channel& channel : predictor.data().channels()) {
-      const double rms =
-          std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count));
+      const double rms = std::sqrt(there->innovations.segment(channel.begin, channel.count).squaredNorm() /
+                                   static_cast<double>(channel.count));
       level.nrmse[channel.name] = rms / channel.spread;
-      level.by_noise[channel.name] = alone[c] / channel.spread;
-      level.at_noise = level.at_noise && rms <= kAtNoise * alone[c];
+      level.by_noise[channel.name] = there->noise_alone[c] / channel.spread;
+      level.at_noise = level.at_noise && rms <= kAtNoise * there->noise_alone[c];
       ++c;
     }
     return level;

@@ -289,47 +289,64 @@ Status Predictor::RunBeside(const BuiltRun& run, const MappedRecord& record, std
   return {};
 }
 
+Result<BuiltRun> Predictor::Build(const Plan& plan, std::size_t record) const {
+  return BuildRun(StartingInto(plan, record), data_->records()[record], *registry_, decompositions_.get());
+}
+
 Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
-  VectorXd innovations(data_->measured().size());
+  Result<Prediction> prediction = Predict(plan, false);
+  if (!prediction.ok()) return prediction.failure();
+  return std::move(prediction->innovations);
+}
+
+Result<Prediction> Predictor::Predict(const Plan& plan) const { return Predict(plan, true); }
+
+Result<Prediction> Predictor::Predict(const Plan& plan, bool with_noise) const {
+  Prediction prediction{VectorXd(data_->measured().size()), {}};
   for (std::size_t r = 0; r < data_->records().size(); ++r) {
-    const Result<BuiltRun> run =
-        BuildRun(StartingInto(plan, r), data_->records()[r], *registry_, decompositions_.get());
+    const Result<BuiltRun> run = Build(plan, r);
     if (!run.ok()) return run.failure();
     ++simulations_;
-    if (Status failed = RunBeside(*run, data_->records()[r], r, innovations)) return *failed;
+    if (with_noise && r == 0) prediction.noise_alone = NoiseAlone(plan, *run);
+    if (Status failed = RunBeside(*run, data_->records()[r], r, prediction.innovations)) return *failed;
   }
-  if (!innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
-  return innovations;
+  if (!prediction.innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
+  return prediction;
 }
 
 bool Predictor::IsRough(const Plan& plan) const {
-  const Result<BuiltRun> run =
-      BuildRun(StartingInto(plan, 0), data_->records().front(), *registry_, decompositions_.get());
+  const Result<BuiltRun> run = Build(plan, 0);
   return run.ok() && run->rig->guards > 0;
 }
 
-VectorXd Predictor::NoiseAlone(const Plan& plan) const {
-  VectorXd alone(std::ssize(data_->channels()));
-  for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
-  if (free_run()) return alone;
-  const MappedRecord& record = data_->records().front();
-  const auto built = [&](const Plan& one) {
-    return BuildRun(StartingInto(one, 0), record, *registry_, decompositions_.get());
-  };
-  const Result<BuiltRun> whole = built(plan);
-  const Result<BuiltRun> bare = whole.ok() && HasSensors(plan) ? built(WithoutSensors(plan)) : Failure{};
-  const Result<LinearModel> own = whole.ok() ? model_->Reduced(*whole, bare.ok() ? *bare : *whole) : Failure{};
-  VectorXd white(std::ssize(model_->outputs));
+VectorXd Predictor::NoiseOfNominal() const {
+  if (learned_.size() > 0) return learned_;
+  return NoiseBy(*model_);
+}
+
+VectorXd Predictor::NoiseBy(const LinearModel& model) const {
+  VectorXd white(std::ssize(model_->outputs)), alone(std::ssize(data_->channels()));
   for (Index j = 0; j < white.size(); ++j)
     white[j] =
         std::ranges::find(data_->channels(), model_->outputs[static_cast<std::size_t>(j)], &Channel::name)->white;
-  if (!own.ok() && learned_.size() > 0) return learned_;
-  const VectorXd by_output = observer_->NoiseAlone(own.ok() ? *own : *model_, white);
+  const VectorXd by_output = observer_->NoiseAlone(model, white);
   for (Index c = 0; c < alone.size(); ++c) {
-    const std::string& name = data_->channels()[static_cast<std::size_t>(c)].name;
-    alone[c] = std::max(alone[c], by_output[std::ranges::find(model_->outputs, name) - model_->outputs.begin()]);
+    const Channel& channel = data_->channels()[static_cast<std::size_t>(c)];
+    alone[c] =
+        std::max(channel.noise, by_output[std::ranges::find(model_->outputs, channel.name) - model_->outputs.begin()]);
   }
   return alone;
+}
+
+VectorXd Predictor::NoiseAlone(const Plan& plan, const BuiltRun& whole) const {
+  if (free_run()) {
+    VectorXd alone(std::ssize(data_->channels()));
+    for (Index c = 0; c < alone.size(); ++c) alone[c] = data_->channels()[static_cast<std::size_t>(c)].noise;
+    return alone;
+  }
+  const Result<BuiltRun> bare = HasSensors(plan) ? Build(WithoutSensors(plan), 0) : Failure{};
+  const Result<LinearModel> own = model_->Reduced(whole, bare.ok() ? *bare : whole);
+  return own.ok() ? NoiseBy(*own) : NoiseOfNominal();
 }
 
 void Predictor::LearnNoise(const Plan& nominal) {
@@ -339,7 +356,7 @@ void Predictor::LearnNoise(const Plan& nominal) {
     VectorXd innovations = VectorXd::Zero(data_->measured().size());
     for (std::size_t r = 0; r < data_->records().size(); ++r) {
       MappedRecord record = data_->records()[r];
-      const Result<BuiltRun> run = BuildRun(StartingInto(nominal, r), record, *registry_, decompositions_.get());
+      const Result<BuiltRun> run = Build(nominal, r);
       if (!run.ok()) return run.failure();
       if (model_->Reduced(*run, *run).ok()) return Failure{"it is linear"};
       std::uint64_t stream = r * model_->outputs.size();

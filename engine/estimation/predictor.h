@@ -16,6 +16,11 @@
 
 namespace dynoproof::estimation {
 
+struct Prediction {
+  Eigen::VectorXd innovations;  // measured - predicted, by row, before the row's own sample corrects
+  Eigen::VectorXd noise_alone;  // RMS by channel that measurement noise alone causes in them
+};
+
 /// One way to predict, for all models of a search.
 class Predictor {
  public:
@@ -36,10 +41,10 @@ class Predictor {
   /// Innovations e = measured - predicted, by row [rows]: before the row's own sample corrects. `plan`: of the same machine
   /// as the nominal one. Fails where the plan cannot be built or a run breaks.
   Result<Eigen::VectorXd> Innovations(const Plan& plan) const;
-  /// RMS by channel that measurement noise alone causes in them. Of a model that is not linear, or has states that the
-  /// nominal one has not, it is that of the nominal one.
-  Eigen::VectorXd NoiseAlone(const Plan& plan) const;
-  /// Where the nominal plan is not linear, NoiseAlone() is henceforth what its run tells: how far it moves when the record that
+  /// The same with what noise alone causes in them. Of a model that is not linear, or has states that the nominal one has not,
+  /// that is what it causes in those of the nominal one.
+  Result<Prediction> Predict(const Plan& plan) const;
+  /// Where the nominal plan is not linear, what noise alone causes is henceforth what its run tells: how far it moves when the record that
   /// corrects it gets as much white noise again. Noise that comes before an impact moves the impact, which no linear model
   /// knows. Not thread-safe.
   void LearnNoise(const Plan& nominal);
@@ -58,6 +63,12 @@ class Predictor {
   };
 
   std::optional<Observer> ObserverOf(std::optional<double> memory_s) const;
+  Result<BuiltRun> Build(const Plan& plan, std::size_t record) const;
+  Result<Prediction> Predict(const Plan& plan, bool with_noise) const;
+  /// `whole`: the plan, built for the first record.
+  Eigen::VectorXd NoiseAlone(const Plan& plan, const BuiltRun& whole) const;
+  Eigen::VectorXd NoiseBy(const LinearModel& model) const;
+  Eigen::VectorXd NoiseOfNominal() const;
   Status RunBeside(const BuiltRun& run, const MappedRecord& record, std::size_t r, Eigen::VectorXd& innovations) const;
 
   const DataSet* data_;

@@ -55,6 +55,19 @@ TEST(Levels, OfRecordsOfDifferentLengthCompareTheSameShareOfEach) {
   }
 }
 
+/// A volume forgets by itself within tenths of a second: no correction gives it a longer memory, and a level is not told twice.
+TEST(Levels, HaveEachALongerMemoryThanTheOneBefore) {
+  const Plan plan = Scenario("scenarios/diagnose/fuel_gas.toml", {"run.duration_s=20"});
+  const auto levels = Levels::Of(plan, {RecordOf(plan, 0.01, {"p_g"})}, testing::BuiltIns(), 0.0, 20'000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const Levels& all = **levels;
+  ASSERT_GE(all.size(), 3U);
+  for (std::size_t level = 1; level < all.free_run(); ++level)
+    EXPECT_GT(all[level].observer()->memory_s(), 1.05 * all[level - 1].observer()->memory_s()) << all.Name(level);
+  EXPECT_EQ(all.longest(), all.free_run() - 1);
+  EXPECT_TRUE(all[all.free_run()].free_run());
+}
+
 /// Substeps in which a scenario is searched beside its own run.
 int SubstepsFor(const Plan& plan, const std::string& output) {
   const auto levels = Levels::Of(plan, {RecordOf(plan, 0.01, {output})}, testing::BuiltIns(), 0.0, 1000);

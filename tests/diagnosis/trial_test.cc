@@ -26,7 +26,8 @@ class ShaftLag : public Effect {
 /// The lumped line with a record of T_shaft alone.
 class TrialsOfALine : public ::testing::Test {
  protected:
-  std::vector<Trial> Trials() {
+  /// On top of the plan, or of the plan with an effect at its first place.
+  std::vector<Trial> Trials(const std::string& base_effect = "") {
     Diagnostics diagnostics;
     const std::optional<Plan> plan = LoadPlan("scenarios/diagnose/heavy_duty_lumped.toml", {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.Format());
@@ -37,7 +38,11 @@ class TrialsOfALine : public ::testing::Test {
     const Result<std::unique_ptr<Levels>> levels = Levels::Of(*plan, {record}, registry_, 0.0, 1000);
     if (!levels.ok()) throw std::runtime_error(levels.failure().ToString());
     const EstimationProblem problem(*plan, {record}, registry_);
-    return TrialsOf(estimation::Hypothesis(*plan), **levels, MagnitudesOf(problem), registry_);
+    const Magnitudes magnitudes = MagnitudesOf(problem);
+    estimation::Hypothesis base(*plan);
+    if (const Effect* effect = registry_.FindEffect(base_effect))
+      base = base.With(*effect, effect->Places(*plan).at(0), magnitudes);
+    return TrialsOf(base, **levels, magnitudes, registry_);
   }
   Registry registry_;
 };
@@ -65,6 +70,23 @@ TEST_F(TrialsOfALine, OfWhatNoRecordHasThereIsNone) {
     if (trial.effect->info().name == "sensor_gain") places.push_back(trial.place.ToString());
   }
   EXPECT_EQ(places, std::vector<std::string>{"output:T_shaft"}) << "omega_1 is an output of the scenario alone";
+}
+
+TEST_F(TrialsOfALine, WhereACauseHasTakenAPlaceAwayThereIsNone) {
+  RegisterBuiltIns(registry_);
+  const auto changed = [](const std::vector<Trial>& trials) {
+    return std::ranges::count_if(trials,
+                                 [](const Trial& trial) { return trial.effect->info().name == "inertia_change"; });
+  };
+  // The lumps of one rotor are no inertias beside it any more.
+  const std::vector<Trial> alone = Trials(), beside = Trials("distributed_inertia");
+  EXPECT_LT(changed(beside), changed(alone));
+  EXPECT_GT(changed(beside), 0);
+  for (const Trial& trial : beside) {
+    Eigen::VectorXd q = trial.hypothesis.start();
+    if (!trial.starts.empty()) q.segment(trial.own(), trial.starts.front().size()) = trial.starts.front();
+    EXPECT_FALSE(trial.hypothesis.At(q).root.table().empty()) << trial.hypothesis.Name();
+  }
 }
 
 }  // namespace

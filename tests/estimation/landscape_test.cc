@@ -50,16 +50,15 @@ class Landscape {
 
  private:
   double ErrorOf(const Predictor& predictor, const Plan& plan) const {
-    const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
-    EXPECT_TRUE(rows.ok());
-    if (!rows.ok()) return INFINITY;
-    const Eigen::VectorXd alone = predictor.NoiseAlone(plan);
+    const Result<Prediction> there = predictor.Predict(plan);
+    EXPECT_TRUE(there.ok());
+    if (!there.ok()) return INFINITY;
     double sum = 0.0;
     for (std::size_t c = 0; c < data_.channels().size(); ++c) {
       const Channel& channel = data_.channels()[c];
       const double power =
-          rows->segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count);
-      sum += (power - std::pow(alone[static_cast<Eigen::Index>(c)], 2)) / std::pow(channel.spread, 2);
+          there->innovations.segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count);
+      sum += (power - std::pow(there->noise_alone[static_cast<Eigen::Index>(c)], 2)) / std::pow(channel.spread, 2);
     }
     return sum;
   }

@@ -62,14 +62,13 @@ TEST(Observer, ReachesItsMemoryOnALine) {
     ASSERT_TRUE(predictor.observer().has_value());
     EXPECT_NEAR(predictor.observer()->memory_s() / memory_s, 1.0, 0.05);
     // Of the right model nothing is left but what noise causes.
-    const Result<Eigen::VectorXd> rows = predictor.Innovations(plan);
-    ASSERT_TRUE(rows.ok());
-    const Eigen::VectorXd alone = predictor.NoiseAlone(plan);
+    const Result<Prediction> there = predictor.Predict(plan);
+    ASSERT_TRUE(there.ok());
     for (std::size_t c = 0; c < data.channels().size(); ++c) {
       const Channel& channel = data.channels()[c];
-      const double rms =
-          std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count));
-      EXPECT_NEAR(rms / alone[static_cast<Eigen::Index>(c)], 1.0, 0.05) << channel.name << " " << memory_s;
+      const double rms = std::sqrt(there->innovations.segment(channel.begin, channel.count).squaredNorm() /
+                                   static_cast<double>(channel.count));
+      EXPECT_NEAR(rms / there->noise_alone[static_cast<Eigen::Index>(c)], 1.0, 0.05) << channel.name << " " << memory_s;
     }
   }
 }

@@ -74,16 +74,15 @@ std::vector<double> Sizes(const Sensor& sensor, double noise, std::optional<doub
   const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
   EXPECT_TRUE(model.ok());
   const Predictor predictor(data, *model, testing::BuiltIns(), memory_s, nullptr);
-  const Result<Eigen::VectorXd> rows = predictor.Innovations(truth);
-  EXPECT_TRUE(rows.ok()) << sensor.effect << " " << rows.failure().ToString();
-  if (!rows.ok()) return {};
-  const Eigen::VectorXd alone = predictor.NoiseAlone(truth);
+  const Result<Prediction> there = predictor.Predict(truth);
+  EXPECT_TRUE(there.ok()) << sensor.effect << " " << there.failure().ToString();
+  if (!there.ok()) return {};
   std::vector<double> sizes;
   for (std::size_t c = 0; c < data.channels().size(); ++c) {
     const Channel& channel = data.channels()[c];
-    sizes.push_back(
-        std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() / static_cast<double>(channel.count)) /
-        alone[static_cast<Eigen::Index>(c)]);
+    sizes.push_back(std::sqrt(there->innovations.segment(channel.begin, channel.count).squaredNorm() /
+                              static_cast<double>(channel.count)) /
+                    there->noise_alone[static_cast<Eigen::Index>(c)]);
   }
   return sizes;
 }
@@ -108,13 +107,13 @@ TEST(SensorChain, ADelayBetweenTicksKeepsASoftRotorStable) {
   ASSERT_TRUE(model.ok());
   for (const double memory_s : {0.01, 0.1}) {
     const Predictor predictor(data, *model, testing::BuiltIns(), memory_s, nullptr);
-    const Result<Eigen::VectorXd> rows = predictor.Innovations(truth);
-    ASSERT_TRUE(rows.ok()) << memory_s << ": " << rows.failure().ToString();
-    const Eigen::VectorXd alone = predictor.NoiseAlone(truth);
+    const Result<Prediction> there = predictor.Predict(truth);
+    ASSERT_TRUE(there.ok()) << memory_s << ": " << there.failure().ToString();
     for (std::size_t c = 0; c < data.channels().size(); ++c) {
       const Channel& channel = data.channels()[c];
-      EXPECT_LT(score::RootMeanSquare(std::span(rows->data() + channel.begin, static_cast<std::size_t>(channel.count))),
-                1.1 * alone[static_cast<Eigen::Index>(c)])
+      EXPECT_LT(score::RootMeanSquare(
+                    std::span(there->innovations.data() + channel.begin, static_cast<std::size_t>(channel.count))),
+                1.1 * there->noise_alone[static_cast<Eigen::Index>(c)])
           << channel.name << " " << memory_s;
     }
   }

@@ -36,8 +36,9 @@ class ParameterChange : public Effect {
   }
 
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
-    Value& value = *plan.root.FindPath(ScaledParameter(place));
-    Replace(value, Value(value.number() * (1.0 + parameters[0])));
+    Value* value = plan.root.FindPath(ScaledParameter(place));
+    if (value == nullptr) return;  // not one of Places()
+    Replace(*value, Value(value->number() * (1.0 + parameters[0])));
   }
 
   Points Starts(const Plan&, const Place&, const Magnitudes&) const override { return starts_; }
