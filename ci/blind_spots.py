@@ -2,12 +2,14 @@
 """What the checks of the shipped scenarios would not see: `dynoproof probe` of each, once with all of its checks and once without the
 golden trace, which holds whatever somebody has blessed.
 
-  ci/blind_spots.py build/dynoproof [ID ...]    probes and keeps the figures in engine/probe/blind_spots.json, as they come
+  ci/blind_spots.py build/dynoproof             probes those without figures and keeps these in engine/probe/blind_spots.json, as they come
+  ci/blind_spots.py build/dynoproof ID ...      these, whether or not there are figures; `--jobs N`: runs at a time
   ci/blind_spots.py --write                     the table in engine/probe/README.md, from that file; `--check`: 1 where it is another
 
 Ends with 1 where a probe fails."""
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -20,11 +22,11 @@ RESULTS = ROOT / "engine/probe/blind_spots.json"
 PAGE = "engine/probe/README.md"
 
 
-def probe(program, scenario, more):
+def probe(program, scenario, more, jobs):
     """The document of a probe; None where no check takes part."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "p.json"
-        done = subprocess.run([program, "probe", scenario, "--json", str(file), *more], capture_output=True, text=True)
+        done = subprocess.run([program, "probe", scenario, "--jobs", str(jobs), "--json", str(file), *more], capture_output=True, text=True)
         if done.returncode == 0:
             return json.loads(file.read_text())
         if "no check takes part" in done.stderr:
@@ -63,9 +65,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?")
     parser.add_argument("scenarios", nargs="*")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--check", action="store_true")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     kept = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     if options.write:
         return block.write(PAGE, "blind_spots", table(kept))
@@ -77,9 +80,10 @@ def main():
     names = options.scenarios
     if not names:
         listed = json.loads(subprocess.run([program, "list", "--json", "-"], capture_output=True, text=True, check=True).stdout)
-        names = [one["id"] for one in listed["scenarios"]]
+        names = [one["id"] for one in listed["scenarios"] if one["id"] not in kept]
     for name in names:
-        kept[name] = {"all": figures(probe(program, name, [])), "without_golden": figures(probe(program, name, ["--without", "golden"]))}
+        kept[name] = {"all": figures(probe(program, name, [], options.jobs)),
+                      "without_golden": figures(probe(program, name, ["--without", "golden"], options.jobs))}
         if kept[name]["all"] is None:
             del kept[name]
             print(f"{name}: no check takes part", flush=True)

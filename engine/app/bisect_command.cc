@@ -39,7 +39,7 @@ constexpr int kDiagnoseCpu_s = 60;  // what the sentence may cost
 /// What a commit's run says.
 struct Outcome {
   std::string cannot;  // why there is none
-  std::string verdict;
+  std::string verdict, broken;
   std::map<std::string, std::string> checks;  // verdict by name
   std::map<std::string, double> counters;
   std::string trace;  // file
@@ -52,6 +52,25 @@ struct Outcome {
     return failing;
   }
 };
+
+/// Where a changed value stands among those that a commit changed: what is simulated before what is asked of it, and words last.
+std::size_t RankOf(const std::string& change) {
+  static const std::vector<std::string> kOrder = {"plant",  "part", "control", "effect", "input",
+                                                  "output", "run",  "variant", "check"};
+  const std::string path = change.substr(0, change.find(' '));
+  for (const char* words : {".description", ".origin", ".unit"}) {
+    if (path.ends_with(words)) return kOrder.size() + 1;
+  }
+  const auto of = std::ranges::find(kOrder, path.substr(0, path.find('.')));
+  return static_cast<std::size_t>(of - kOrder.begin());
+}
+
+/// The changes of a scenario that may have changed its run, as few words: the first of them, and how many there are besides.
+std::string InASentence(const std::vector<std::string>& changes) {
+  const std::size_t rank = RankOf(changes.front());
+  const auto alike = std::ranges::count_if(changes, [rank](const std::string& one) { return RankOf(one) == rank; });
+  return changes.front() + (alike > 1 ? fmt::format(" and {} more", alike - 1) : "");
+}
 
 std::string Short(const Commit& commit) { return commit.hash.substr(0, 12); }
 
@@ -189,6 +208,7 @@ class Bisection {
     }
     const nlohmann::json& one = document["scenarios"][0];
     outcome.verdict = one.value("verdict", "");
+    outcome.broken = one.value("broken", "");
     outcome.trace = one.value("trace", "");
     for (const auto& check : one.value("checks", nlohmann::json::array()))
       outcome.checks[check.value("name", "")] = check.value("verdict", "");
@@ -271,6 +291,7 @@ class Bisection {
     if (was && is) {
       const auto left = FromToml(was->scenario), right = FromToml(is->scenario);
       if (left && right) scenario = ChangesBetween(*left, *right);
+      std::ranges::stable_sort(scenario, {}, RankOf);
     }
     std::vector<std::string> causes;
     for (const score::Check& check : Compared(was, after)) {
@@ -286,10 +307,24 @@ class Bisection {
                         fs::path(after.trace).is_absolute() ? after.trace : (fs::path(tree()) / after.trace).string());
       ClearProgress();
     }
-    std::string sentence = !scenario.empty()   ? "the scenario: " + scenario.front()
-                           : !causes.empty()   ? causes.front()
-                           : !counters.empty() ? "the solver's work: " + counters.front()
-                                               : "the score";
+    std::vector<std::string> checks;
+    for (const auto& [name, verdict] : after.checks) {
+      const auto old = before.checks.find(name);
+      if (old == before.checks.end() || old->second != verdict)
+        checks.push_back(
+            fmt::format("{}: {} (was {})", name, verdict, old == before.checks.end() ? "not there" : old->second));
+    }
+    // Where the run is the same it is judged otherwise, as by other golden data.
+    const bool judged = scenario.empty() && causes.empty() && !checks.empty();
+    const std::vector<std::string> files =
+        judged ? commits_.ChangesInFiles(parent, first, scenario_) : std::vector<std::string>();
+    std::string sentence = !scenario.empty()       ? "the scenario: " + InASentence(scenario)
+                           : !after.broken.empty() ? "the run breaks: " + after.broken
+                           : !causes.empty()       ? causes.front()
+                           : !files.empty()        ? checks.front() + ", by " + files.front()
+                           : !checks.empty()       ? checks.front()
+                           : !counters.empty()     ? "the solver's work: " + counters.front()
+                                                   : "the score";
     if (!as_if.is_null()) sentence += ", " + AsIf(as_if);
 
     std::string text = fmt::format(
@@ -306,14 +341,8 @@ class Bisection {
     list("changed in the scenario", scenario);
     list("runs differ", causes);
     list("the solver's work", counters);
-    std::vector<std::string> checks;
-    for (const auto& [name, verdict] : after.checks) {
-      const auto old = before.checks.find(name);
-      if (old == before.checks.end() || old->second != verdict)
-        checks.push_back(
-            fmt::format("{}: {} (was {})", name, verdict, old == before.checks.end() ? "not there" : old->second));
-    }
     list("checks", checks);
+    list("changed in files", files);
     text += fmt::format("\n{} of {} commits looked at, {}; their runs: {}\n", change.looks, series.size(),
                         Counted(static_cast<std::size_t>(builds_), "build"), work_.string());
     Print(arguments_.common, text);
@@ -328,6 +357,7 @@ class Bisection {
               {"runs", causes},
               {"counters", counters},
               {"checks", checks},
+              {"files", files},
               {"as_if", as_if},
               {"looks", change.looks},
               {"builds", builds_}});

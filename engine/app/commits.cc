@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "base/process.h"
+#include "scenario/changes.h"
+#include "scenario/load.h"
 
 namespace dynoproof::app {
 namespace {
@@ -57,6 +59,29 @@ Status Commits::CheckOut(const std::string& commit, const std::string& folder) c
   }
   const ProgramEnd moved = RunProgram({"git", "-C", folder, "checkout", "-q", "--detach", "--force", commit});
   return moved.exit == 0 ? Status() : Failure{"git does not check it out: " + moved.out, commit};
+}
+
+std::vector<std::string> Commits::ChangesInFiles(const Commit& from, const Commit& to, const std::string& apart) const {
+  const ProgramEnd names =
+      RunProgram({"git", "-C", root_, "diff", "--name-only", from.hash, to.hash}, ErrorLines::kDropped);
+  const auto tree_of = [&](const Commit& commit, const std::string& file) {
+    const ProgramEnd shown = RunProgram({"git", "-C", root_, "show", commit.hash + ":" + file}, ErrorLines::kDropped);
+    return FromToml(shown.exit == 0 ? shown.out : "");
+  };
+  std::vector<std::string> changes, others;
+  std::istringstream lines(names.out);
+  for (std::string file; std::getline(lines, file);) {
+    if (file == apart) continue;
+    const bool toml = file.ends_with(".toml");
+    const auto was = toml ? tree_of(from, file) : std::nullopt, is = toml ? tree_of(to, file) : std::nullopt;
+    if (!was || !is) {
+      others.push_back(file);
+      continue;
+    }
+    for (const std::string& change : ChangesBetween(*was, *is)) changes.push_back(fmt::format("{}: {}", file, change));
+  }
+  changes.insert(changes.end(), others.begin(), others.end());
+  return changes;
 }
 
 void Commits::Remove(const std::string& folder) const {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scenario/load.h"
 
 namespace dynoproof {
@@ -22,8 +24,33 @@ std::string Alone(std::string path, const Value* value, const char* between) {
   return path + between + Shown(*value);
 }
 
+bool IsListOfTables(const Value& value) {
+  return value.is_array() && !value.array().empty() && std::ranges::all_of(value.array(), &Value::is_table);
+}
+
+/// The items of two lists that differ, as tables of these by number: without the equal ones with which both begin and end, so that an
+/// item that is new or gone in the middle does not make those behind it other ones.
+std::pair<Value, Value> DifferentItems(const Value::Array& was, const Value::Array& is) {
+  const auto same = [](const Value& a, const Value& b) { return InlineToml(a) == InlineToml(b); };
+  const std::size_t least = std::min(was.size(), is.size());
+  std::size_t head = 0, tail = 0;
+  while (head < least && same(was[head], is[head])) ++head;
+  while (tail < least - head && same(was[was.size() - 1 - tail], is[is.size() - 1 - tail])) ++tail;
+  const auto middle = [&](const Value::Array& list) {
+    Value items;
+    for (std::size_t i = head; i + tail < list.size(); ++i) items[fmt::format("{}", i)] = list[i];
+    return items;
+  };
+  return {middle(was), middle(is)};
+}
+
 /// The values at which two trees differ, by their paths.
 void Differences(const Value& was, const Value& is, const std::string& path, std::vector<std::string>& found) {
+  if (IsListOfTables(was) && IsListOfTables(is)) {
+    const auto [before, after] = DifferentItems(was.array(), is.array());
+    Differences(before, after, path, found);
+    return;
+  }
   if (!was.is_table() || !is.is_table()) {
     const bool same =
         was.is_number() && is.is_number() ? was.number() == is.number() : InlineToml(was) == InlineToml(is);

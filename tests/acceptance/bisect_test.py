@@ -13,27 +13,13 @@ import tempfile
 import unittest
 
 PROGRAM = str(pathlib.Path(sys.argv[1]).resolve())
-COMMITS = 64
-GIT = ["git", "-c", "user.name=test", "-c", "user.email=test@example.org", "-c", "commit.gpgsign=false"]
-# What is planted, as text of the file; what the sentence has to say of it.
-PLANTED = [
-    (r"^I3 = 0\.5 ", "I3 = 0.51 ", "plant.inertia.I3 = 0.51 (was 0.5)"),
-    (r"^I1 = 2\.0", "I1 = 2.02", "plant.inertia.I1 = 2.02 (was 2.0)"),
-    (r"4\.0e5", "4.1e5", "plant.shaft.k1.stiffness_Nm_per_rad = 410000.0 (was 400000.0)"),
-    (r"damping_Nms_per_rad = 6\.0", "damping_Nms_per_rad = 5.0", "plant.shaft.k2.damping_Nms_per_rad = 5.0 (was 6.0)"),
-    (r"amplitude = 100\.0", "amplitude = 101.0", "input.T_airgap.source.amplitude = 101.0 (was 100.0)"),
-    (r"\Z", '\n[[effect]]\nname = "coulomb_friction"\nat = "inertia:I2"\nparameters = { T_c = 0.5 }\n', "plant.load"),
-    (r"2\.5e5", "2.45e5", "plant.shaft.k2.stiffness_Nm_per_rad = 245000.0 (was 250000.0)"),
-    (r"damping_Nms_per_rad = 8\.0", "damping_Nms_per_rad = 8.8", "plant.shaft.k1.damping_Nms_per_rad = 8.8 (was 8.0)"),
-    (r"^I2 = 0\.3 ", "I2 = 0.303 ", "plant.inertia.I2 = 0.303 (was 0.3)"),
-    (r"rate_Hz_per_s = 200\.0", "rate_Hz_per_s = 202.0", "input.T_airgap.source.rate_Hz_per_s = 202.0 (was 200.0)"),
-    (r'^on = "I1"', 'on = "I2"', 'plant.torque.T_airgap.on = "I2" (was "I1")'),
-    (r'^of = "plant.I1.speed"', 'of = "plant.I2.speed"', 'output.omega_1.of = "plant.I2.speed" (was "plant.I1.speed")'),
-]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "ci"))
+import bisections  # noqa: E402
+from bisections import GIT, git  # noqa: E402
 
-
-def git(folder, *words):
-    return subprocess.run([*GIT, *words], cwd=folder, check=True, capture_output=True, text=True).stdout.strip()
+# Of each kind one: a number, a part, what an input does, a control, words beside it, a limit, golden data. All of them: ci/bisections.py.
+PLANTED = ["stiffness_2", "friction", "input_shape", "gain_P", "title_as_well", "limit", "golden_of_another_run"]
 
 
 class Histories(unittest.TestCase):
@@ -47,25 +33,7 @@ class Histories(unittest.TestCase):
         (self.folder / ".gitignore").write_text("out/\n")
 
     def history(self, planted, at):
-        """Commits that change nothing that a run shows, and one, the `at`-th, that does; all by one call of git."""
-        branch = f"h{at}-{random.random()}"
-        stream = b""
-        for k in range(COMMITS + 1):
-            (self.folder / "notes.txt").write_text(f"{k}\n")
-            if k == at:
-                planted()
-            stream += (f"commit refs/heads/{branch}\nmark :{k + 1}\ncommitter test <test@example.org> {1700000000 + k} +0000\n"
-                       f"data <<end\nCommit {k}\nend\n").encode()
-            if k > 0:
-                stream += f"from :{k}\n".encode()
-            for file in self.folder.iterdir():
-                if file.is_file() and file.name not in ("b.json", "count"):
-                    content = file.read_bytes()
-                    mode = "100755" if os.access(file, os.X_OK) else "100644"
-                    stream += f"M {mode} inline {file.name}\ndata {len(content)}\n".encode() + content + b"\n"
-        subprocess.run([*GIT, "fast-import", "--quiet"], input=stream, cwd=self.folder, check=True)
-        git(self.folder, "checkout", "-q", "-f", branch)
-        return git(self.folder, "rev-list", "--reverse", branch).split()
+        return bisections.history(self.folder, planted, lambda k: None, at)
 
     def bisect(self, *words, code=0):
         done = subprocess.run([PROGRAM, "bisect", "line.toml", "--json", "b.json", *words], cwd=self.folder, capture_output=True, text=True)
@@ -74,19 +42,25 @@ class Histories(unittest.TestCase):
         return json.loads((self.folder / "b.json").read_text()), done.stdout + done.stderr
 
     def test_each_planted_change_is_found_and_named(self):
-        line = self.folder / "line.toml"
-        sound = line.read_text()
-        draw = random.Random(5)
-        for pattern, text, said in PLANTED:
-            at = draw.randrange(1, COMMITS + 1)
-            with self.subTest(said, at=at):
-                line.write_text(sound)
-                hashes = self.history(lambda: line.write_text(re.sub(pattern, text, sound, count=1, flags=re.M)), at)
-                found, output = self.bisect("--good", hashes[0])
-                self.assertEqual(found["first"]["commit"], hashes[at], output)
-                self.assertLessEqual(found["looks"], 7)
-                self.assertEqual(found["builds"], 0, "no program is built where none is asked for")
-                self.assertIn(said, found["sentence"])
+        for one in bisections.PLANTED:
+            if one["name"] not in PLANTED:
+                continue
+            with self.subTest(one["name"]):
+                said = bisections.tried(one, PROGRAM)
+                self.assertTrue(said.get("found"), said)
+                self.assertLessEqual(said["looks"], bisections.LOOKS)
+                self.assertEqual(said["builds"], 0, "no program is built where none is asked for")
+                self.assertTrue(said["right"], said)
+
+    def test_the_ten_lines_of_the_page(self):
+        (script,) = re.findall(r"```sh\n(.*?)```", (ROOT / "engine/history/README.md").read_text(), re.S)
+        self.assertEqual(len(script.splitlines()), 10)
+        done = subprocess.run(["bash", "-e"], input=f"dynoproof() {{ {PROGRAM} \"$@\"; }}\n" + script, cwd=self.folder, text=True,
+                              capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.stdout.count("Day 5\n"), 2, done.stdout)
+        found = json.loads((self.folder / "out/bisect_me/first.json").read_text())
+        self.assertEqual(found["sentence"], "the scenario: plant.inertia.I3 = 0.52 (was 0.5)")
 
     def test_a_check_alone_and_commits_that_cannot_run(self):
         line = self.folder / "line.toml"

@@ -30,6 +30,16 @@ TEST(Changes, NameWhatIsNewAndWhatIsGone) {
               ElementsAre("load.friction = { on = \"I3\", law = \"coulomb\", T_c_Nm = 20.0 } (was not there)"));
 }
 
+TEST(Changes, WithinAListOfTablesAreThoseOfItsItems) {
+  const std::string rest = "[[check]]\nkind = 'golden'\n";
+  EXPECT_THAT(
+      Between("[[check]]\nkind = 'peak'\nwithin = 3.0\n" + rest, "[[check]]\nkind = 'peak'\nwithin = 4.0\n" + rest),
+      ElementsAre("check.0.within = 4.0 (was 3.0)"));
+  EXPECT_THAT(Between("[[check]]\nkind = 'peak'\n" + rest, rest), ElementsAre("check.0.kind is gone (was \"peak\")"));
+  EXPECT_THAT(Between(rest, rest + "[[check]]\nkind = 'peak'\n"),
+              ElementsAre("check.1.kind = \"peak\" (was not there)"));
+}
+
 TEST(Changes, AreNoneWhereNumbersAreEqual) {
   EXPECT_THAT(Between("a = 2\n[b]\nc = 0.1\n", "a = 2.0\n[b]\nc = 0.1\n"), IsEmpty());
 }
