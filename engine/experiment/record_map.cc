@@ -27,7 +27,7 @@ struct TimeTable {
 struct ChannelTable {
   std::string column, unit, between, time_unit;
   double sign = 1.0, gain = 1.0, offset = 0.0, rate_hz = 0.0, start_s = 0.0;
-  bool missing = false;
+  bool missing = false, derivative = false;
   Value time;
   void Visit(auto& v) {
     v.Required("column", column, Any(), "name of the column; of HDF5 a path, of a matrix \"path[j]\"");
@@ -42,6 +42,8 @@ struct ChannelTable {
         "same, held over each period of the run: a controller's command that the logger saw less often). Not said: the "
         "outputs decide, and a note says so");
     v.Optional("missing", missing, Any(), "true: rows without a number are rows without a sample");
+    v.Optional("derivative", derivative, Any(),
+               "true: the signal is the column's change per second, by central differences; `unit` is the column's");
     v.Optional("time", time, Any(),
                "a clock of its own: name of its column of stamps, or a table as for the whole file");
     v.Optional("time_unit", time_unit, Any(), "unit of those stamps");
@@ -147,6 +149,7 @@ class Reader {
                            "an output is compared at its own instants");
       into.push_back(
           {entry.key, table.column, table.unit, table.between, table.gain, table.offset, table.sign, table.missing,
+           table.derivative,
            Clock(entry.value.Find("time"), table.time_unit, table.rate_hz, table.start_s, entry.value.where()),
            entry.where});
     }

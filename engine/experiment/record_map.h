@@ -27,7 +27,7 @@ struct ChannelMap {
   std::string name;  // of the signal
   std::string column, unit, between;
   double gain = 1.0, offset = 0.0, sign = 1.0;
-  bool missing = false;
+  bool missing = false, derivative = false;
   ClockMap clock;
   SourceSpan where;
 };

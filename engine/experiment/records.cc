@@ -167,8 +167,20 @@ class Mapper {
       const std::size_t first = raw.base.first_row[i];
       if (raw.base.last_row[i] > first) raw.before_event[i] = to_si->first * values[first] + to_si->second;
     }
+    if (channel.derivative) Differentiate(raw);
     if (!channel.between.empty()) result_.between[channel.name] = channel.between;
     raw_.push_back(std::move(raw));
+  }
+
+  /// The rate of change at each instant: central differences, one-sided ones at the ends. At an event there is one rate.
+  static void Differentiate(Raw& raw) {
+    const std::vector<double> values = raw.values;
+    const std::size_t last = values.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+      const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, last);
+      raw.values[i] = (values[after] - values[before]) / (raw.base.time_s[after] - raw.base.time_s[before]);
+    }
+    raw.before_event.clear();
   }
 
   /// The time base of the stamps, computed once where a channel shares the stamps of the one before, as most do.
@@ -186,7 +198,9 @@ class Mapper {
     const std::string written = !channel.unit.empty() ? channel.unit : column.unit;
     double factor = 1.0, offset = 0.0;
     if (!written.empty() && !signal.unit.empty()) {
-      const std::optional<Unit> from = ParseUnit(written), to = ParseUnit(signal.unit);
+      std::optional<Unit> from = ParseUnit(written);
+      const std::optional<Unit> to = ParseUnit(signal.unit);
+      if (from && channel.derivative) --from->exponents[2];  // per second
       if (!from || !to || !SameQuantity(*from, *to)) {
         diagnostics_.Error(
             where,

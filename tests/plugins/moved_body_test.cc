@@ -43,6 +43,18 @@ TEST(MovedBody, FrictionTurnsOverTheTransitionSpeed) {
     EXPECT_NEAR(Force(*plant, 0.0, v), 30.0 * v + 5.0 * std::tanh(v / 0.01) + 7.0, 1e-12) << v;
 }
 
+TEST(MovedBody, APistonCarriesItsPressure) {
+  Value rod = Rod(0.0);
+  rod["area_m2"] = Value(5e-4);
+  const auto plant = Build("plant", rod);
+  ASSERT_NE(plant, nullptr);
+  ASSERT_EQ(plant->layout().inputs.size(), 3U);
+  EXPECT_EQ(plant->layout().inputs[2].name, "p");
+  const std::array<double, 3> inputs = {0.01, 0.2, 2e5};
+  EXPECT_DOUBLE_EQ(OutputOf(*plant, 0.0, inputs), 20.0 + 6.0 + 5.0 + 7.0 + 100.0);
+  EXPECT_EQ(Build("plant", Rod(0.0))->layout().inputs.size(), 2U) << "a body without an area has no pressure";
+}
+
 TEST(MovedBody, RefusesWhatItCannotCarry) {
   std::string faults;
   Value rod = Rod(-1.0);

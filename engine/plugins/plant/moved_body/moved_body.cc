@@ -10,8 +10,8 @@ PluginInfo MovedBody::Info() {
   return {"plant",
           "moved_body",
           "a body whose motion is measured: the force that spring, damper and other laws to the ground need",
-          "F = k x + c v + sum of the laws' forces at (x, v)",
-          "linear spring and damper; laws as in a drive line, read as force, speed and stretch",
+          "F = k x + c v + A p + sum of the laws' forces at (x, v)",
+          "linear spring and damper; pressure on a piston; laws as in a drive line, read as force, speed and stretch",
           {}};
 }
 
@@ -21,7 +21,9 @@ PlantTraits MovedBody::Traits() {
     // assumed: any size is as good as another beside an effect that takes its share.
     const char* reason = "stands for whatever carries the body: a fitted value, no data sheet's";
     std::vector<NuisanceParameter> nuisances = {{"plant.stiffness_N_per_m", true, 1.0, reason},
-                                                {"plant.damping_Ns_per_m", true, 1.0, reason}};
+                                                {"plant.damping_Ns_per_m", true, 1.0, reason},
+                                                // assumed: bores are machined to some tenths of a millimetre.
+                                                {"plant.area_m2", true, 0.02, "a bore of some centimetres"}};
     const std::vector<NuisanceParameter> loads = LoadSizes(plan);
     nuisances.insert(nuisances.end(), loads.begin(), loads.end());
     return nuisances;
@@ -39,8 +41,11 @@ std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&,
   plant->stiffness_ = params.stiffness_N_per_m;
   plant->damping_ = params.damping_Ns_per_m;
   plant->transition_ = params.transition_speed_m_per_s;
+  plant->area_ = params.area_m2;
   Layout& layout = plant->layout_;
   layout.inputs = {{"x", "m", "position of the body", 0.01}, {"v", "m/s", "its speed", 0.1}};
+  if (params.area_m2 > 0.0)
+    layout.inputs.push_back({"p", "Pa", "gauge pressure on the piston", params.nominal_force_N / params.area_m2});
   layout.outputs = {{"force", "N", "force that moves the body", params.nominal_force_N}};
   const int before = context.diagnostics.error_count();
   const auto fault = [&](const Value& at, const std::string& message, const std::string& hint) {
@@ -99,6 +104,7 @@ void MovedBody::Output(const View& view, std::span<double> outputs) const {
   const double v = view.inputs[1];
   const double slips = transition_ > 0.0 ? std::tanh(std::abs(v) / transition_) : 1.0;
   outputs[0] = stiffness_ * view.inputs[0] + damping_ * v;
+  if (area_ > 0.0) outputs[0] += area_ * view.inputs[2];
   for (const Load& load : loads_) {
     const LawView at = ViewOf(view, load);
     if (!load.law->sticks()) {

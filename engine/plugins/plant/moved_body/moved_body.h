@@ -1,9 +1,10 @@
 // A body whose motion is measured, on a spring, a damper and other laws to the ground: the force that they need. The
 // plant of a damper or mount on a testing machine, where the machine sets the motion and a load cell measures.
 //
-// F = k x + c v + sum of the laws' forces at (x, v). States: those of the laws. Friction slips wherever v is not 0; at
+// F = k x + c v + A p + sum of the laws' forces at (x, v). States: those of the laws. Friction slips wherever v is not 0; at
 // v = 0 nothing tells its force, which is then 0. A measured speed has noise and steps: with a transition speed v_t the
-// force of friction is multiplied by tanh(|v| / v_t) and has no jump. Inputs x [m], v [m/s]; output force [N].
+// force of friction is multiplied by tanh(|v| / v_t) and has no jump. With an area A the body is the piston of a cylinder
+// whose gauge pressure p is measured, and p A is added. Inputs x [m], v [m/s], with an area p [Pa]; output force [N].
 #pragma once
 
 #include <memory>
@@ -22,7 +23,7 @@ class MovedBody : public Component {
   struct Params {
     std::string body = "body";
     double stiffness_N_per_m = 0.0, damping_Ns_per_m = 0.0, nominal_force_N = 1000.0;
-    double transition_speed_m_per_s = 0.0;
+    double transition_speed_m_per_s = 0.0, area_m2 = 0.0;
     std::vector<std::pair<std::string, Value>> load;
     void Visit(auto& v) {
       v.Optional("body", body, Any(), "name of the body: the place of frictions, inertia:NAME");
@@ -30,6 +31,8 @@ class MovedBody : public Component {
       v.Optional("damping_Ns_per_m", damping_Ns_per_m, NonNegative(), "damping c to the ground");
       v.Optional("transition_speed_m_per_s", transition_speed_m_per_s, NonNegative(),
                  "v_t: friction turns its sign along tanh(v / v_t), 0: at once");
+      v.Optional("area_m2", area_m2, NonNegative(),
+                 "area A that the gauge pressure `p` acts on; 0: there is no input p");
       v.Optional("nominal_force_N", nominal_force_N, Positive(), "usual force; scales solver tolerances");
       v.Optional("load", load, Any(),
                  "laws to the ground by name: on = the body, law and its parameters; read force, speed, stretch");
@@ -54,7 +57,7 @@ class MovedBody : public Component {
   };
   LawView ViewOf(const View& view, const Load& load) const;
 
-  double stiffness_ = 0.0, damping_ = 0.0, transition_ = 0.0;
+  double stiffness_ = 0.0, damping_ = 0.0, transition_ = 0.0, area_ = 0.0;
   std::vector<Load> loads_;
 };
 
