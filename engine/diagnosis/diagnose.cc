@@ -264,9 +264,9 @@ class Pipeline {
     return answer;
   }
 
-  /// On top of which contestant a further cause is looked for: the cause that was found, or what explains most; but where two
-  /// effects together leave less than that one with any other does, one of these. Under the priors something has to be near the
-  /// noise.
+  /// Gives the contestant on top of which a further cause is looked for: the cause that was found, or the effect that explains most;
+  /// but a half of the best pair, where that pair leaves less than the leader does with any second effect. Under the priors the
+  /// leader, its best pair, or without a leader the best of all pairs has to be near the noise.
   std::optional<std::size_t> BaseOf(const Answer& answer) {
     const auto& [contest, settled] = answer;
     const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;

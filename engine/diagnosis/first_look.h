@@ -19,7 +19,7 @@ struct Looked {
       silent;  // at no size that was tried do they move an output so that it shows beside the noise
 };
 
-/// What is looked at: which candidates, how many of them are fitted, and at how many levels.
+/// A first look may be restricted: to some candidates, to fits of the most promising, to one level.
 struct Scope {
   std::function<bool(const Trial&)> takes = [](const Trial&) { return true; };
   std::size_t most_fits = policy::kLookedAtMost;

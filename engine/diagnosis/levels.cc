@@ -70,7 +70,7 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
       all.push_back(std::make_unique<Predictor>(*all[in_motion && all.size() > 1 ? 1 : 0], from_s, memory));
     else
       all.push_back(std::make_unique<Predictor>(*levels->data_, levels->model_, registry, memory, known));
-    // What forgets by itself has no longer memory than that: the same level once more tells nothing.
+    // A plant that forgets by itself cannot be given a longer memory: the same level once more would tell nothing.
     const auto reached = [](const Predictor& one) { return one.observer()->memory_s(); };
     if (like == nullptr && memory && !window_s && all.size() > 2 && !all.back()->free_run() &&
         reached(*all.back()) < kLongerAtLeast * reached(*all[all.size() - 2]))

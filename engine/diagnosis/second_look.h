@@ -1,5 +1,5 @@
-// Where one effect does not account for a record: on top of which of the single ones a second leaves least. What removes most
-// alone may stand for both of two others, and a search that goes on from there never comes to them.
+// Pairs of effects, for records that one effect does not account for. The effect that removes most alone may stand for two
+// others, as a bent characteristic does for a limit and an offset, and a search that goes on from it never comes to these.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,9 @@ struct Base {
   const estimation::Estimate& fit() const { return pair.levels[level]; }
 };
 
-/// Of the contestants that remove a share, each with those effects that have shown one at the first look: the best pair by base, the
-/// one that leaves least first. Empty where none holds at the level, the longest memory within the record.
+/// Tries each contestant that removes a fifth of the null's excess (at most policy::kBases of them) together with the effects that removed a
+/// twentieth at the first look, at the longest memory within the record. Gives the best pair of each, and that first which
+/// leaves least. Empty where the null or no contestant holds there.
 std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, const Magnitudes& magnitudes,
                                const Registry& registry, const Conduct& conduct);
 

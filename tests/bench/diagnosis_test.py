@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What bench/diagnosis.py takes for the same case."""
+"""bench/diagnosis.py compares cases that were drawn alike, and refuses others."""
 import contextlib
 import io
 import json

@@ -1,4 +1,4 @@
-// A pair of which neither half is what removes most alone.
+// A pair of which neither half is the effect that removes most alone.
 #include "diagnosis/second_look.h"
 
 #include <gtest/gtest.h>
