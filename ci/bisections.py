@@ -83,10 +83,13 @@ def chirp_of(program, folder):
     file.write_text(re.sub(r"\[\[check\]\][^#]*", "", file.read_text()))
 
 
+def rewrite(file, change):
+    file.write_text(change(file.read_text()))
+
+
 def line_of(program, folder):
     chirp_of(program, folder)
-    file = folder / "line.toml"
-    file.write_text(file.read_text().replace("duration_s = 2.0", "duration_s = 0.1"))
+    rewrite(folder / "line.toml", lambda text: text.replace("duration_s = 2.0", "duration_s = 0.1"))
 
 
 def rotor_of(program, folder):
@@ -100,18 +103,15 @@ def rotor_of(program, folder):
 
 def loop_of(program, folder):
     line_of(program, folder)
-    file = folder / "line.toml"
-    file.write_text(file.read_text().split("[input.T_airgap]")[0] + LOOP)
+    rewrite(folder / "line.toml", lambda text: text.split("[input.T_airgap]")[0] + LOOP)
     subprocess.run([program, "bless", "line.toml", "--reason", "first"], cwd=folder, check=True, capture_output=True)
-    golden = folder / "line.golden.toml"
-    golden.write_text(golden.read_text().replace("relative_width = 1e-07", "relative_width = 0.005"))
+    rewrite(folder / "line.golden.toml", lambda text: text.replace("relative_width = 1e-07", "relative_width = 0.005"))
 
 
 def wide_of(program, folder):
     """The line on the adaptive solver, whose equation of motion is code of its own."""
     chirp_of(program, folder)
-    file = folder / "line.toml"
-    file.write_text(file.read_text().replace("duration_s = 2.0", 'duration_s = 2.0\nsolver = "reference"'))
+    rewrite(folder / "line.toml", lambda text: text.replace("duration_s = 2.0", 'duration_s = 2.0\nsolver = "reference"'))
 
 
 LINE, IN_LOOP, IN_GOLDEN = (line_of, "line.toml"), (loop_of, "line.toml"), (loop_of, "line.golden.toml")
@@ -291,12 +291,9 @@ def main():
     parser.add_argument("--check", action="store_true")
     options = parser.parse_intermixed_args()
     kept = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
-    if options.write:
-        block.write(PAGE, "bisections", table(kept))
-        return block.write("README.md", "bisected", summary(kept))
-    if options.check:
-        same = block.read(PAGE, "bisections") == table(kept) and block.read("README.md", "bisected") == summary(kept)
-        return None if same else f"{PAGE} or README.md says otherwise: ci/bisections.py --write"
+    if options.write or options.check:
+        blocks = [(PAGE, "bisections", table(kept)), ("README.md", "bisected", summary(kept))]
+        return block.write_all(blocks) if options.write else block.differing(blocks, "ci/bisections.py")
     if not options.program:
         parser.error("a program is needed")
     for variable in ("CI", "DYNOPROOF_SCENARIOS", "DYNOPROOF_GOLDEN"):  # a person's machine: in a pipeline nothing is blessed

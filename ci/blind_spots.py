@@ -73,7 +73,7 @@ def main():
     if options.write:
         return block.write(PAGE, "blind_spots", table(kept))
     if options.check:
-        return f"{PAGE} says otherwise: ci/blind_spots.py --write" if block.read(PAGE, "blind_spots") != table(kept) else None
+        return block.differing([(PAGE, "blind_spots", table(kept))], "ci/blind_spots.py")
     if not options.program:
         parser.error("a program is needed")
     program = str(pathlib.Path(options.program).resolve())

@@ -25,3 +25,15 @@ def read(page, name):
 def write(page, name, text):
     lines, begin, end = _found(page, name)
     (ROOT / page).write_text("\n".join(lines[:begin] + text + lines[end:]) + "\n")
+
+
+def write_all(blocks):
+    """Writes each of several (page, name, text)."""
+    for page, name, text in blocks:
+        write(page, name, text)
+
+
+def differing(blocks, script):
+    """A sentence about the pages that say otherwise than their script would; None where none does."""
+    pages = sorted({page for page, name, text in blocks if read(page, name) != text})
+    return f"{', '.join(pages)} says otherwise: {script} --write" if pages else None

@@ -205,12 +205,9 @@ def main():
     parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     kept = results()
-    if options.write:
-        block.write(PAGE, "reductions", page(kept))
-        return block.write("README.md", "reduced", summaries(kept))
-    if options.check:
-        same = block.read(PAGE, "reductions") == page(kept) and block.read("README.md", "reduced") == summaries(kept)
-        return None if same else f"{PAGE} or README.md says otherwise: ci/reductions.py --write"
+    if options.write or options.check:
+        blocks = [(PAGE, "reductions", page(kept)), ("README.md", "reduced", summaries(kept))]
+        return block.write_all(blocks) if options.write else block.differing(blocks, "ci/reductions.py")
     if not options.program:
         parser.error("a program is needed")
     program = str(pathlib.Path(options.program).resolve())

@@ -25,7 +25,8 @@ class Commits {
 
   /// The work tree at `folder`, as it is at that commit; made when it is not there.
   Status CheckOut(const std::string& commit, const std::string& folder) const;
-  /// What the second commit changed in the first one's files of TOML, but for that of `apart`, and which other files it changed:
+  /// The values that differ between two commits in files of TOML, and after them the names of other files that differ. `apart`: a file
+  /// that is left out. For instance
   /// "line.golden.toml: signal.T.relative_width = 1e-9 (was 0.02)", "line.golden.h5".
   std::vector<std::string> ChangesInFiles(const Commit& from, const Commit& to, const std::string& apart) const;
   /// The work tree goes, from the disk and from the repository's list.

@@ -2,7 +2,7 @@
 // others, as a bent characteristic does for a limit and an offset, and a search that goes on from it never comes to these.
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "diagnosis/contest.h"
 

@@ -41,8 +41,8 @@ class Predictor {
   /// Innovations e = measured - predicted, by row [rows]: before the row's own sample corrects. `plan`: of the same machine
   /// as the nominal one. Fails where the plan cannot be built or a run breaks.
   Result<Eigen::VectorXd> Innovations(const Plan& plan) const;
-  /// The same with what noise alone causes in them. Of a model that is not linear, or has states that the nominal one has not,
-  /// that is what it causes in those of the nominal one.
+  /// The same with the RMS that noise alone causes. A model that is not linear, or has states that the nominal model lacks, gets the
+  /// nominal model's.
   Result<Prediction> Predict(const Plan& plan) const;
   /// Where the nominal plan is not linear, what noise alone causes is henceforth what its run tells: how far it moves when the record that
   /// corrects it gets as much white noise again. Noise that comes before an impact moves the impact, which no linear model

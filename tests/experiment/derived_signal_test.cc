@@ -23,7 +23,8 @@ TEST(DerivedSignal, IsTheCentralDifferenceOfItsColumn) {
   ASSERT_TRUE(record.has_value()) << diagnostics.Format();
   const std::vector<double>& v = *record->inputs.at("v").values;
   ASSERT_EQ(v.size(), 5U);
-  // Of a parabola the central difference is exact; at the ends it is that of half a step further in. An offset has none.
+  // The central difference of a parabola is exact. A one-sided one at an end gives the slope half a step away from it. The derivative
+  // of an offset is zero.
   const std::vector<double> expected = {-0.1, -0.2, -0.4, -0.6, -0.7};
   for (std::size_t i = 0; i < v.size(); ++i) EXPECT_NEAR(v[i], expected[i], 1e-12) << i;  // round-off of 0.16 / 0.1
 }
