@@ -259,7 +259,7 @@ std::optional<std::string> ShaftAt(const Value& root, const std::string& body) {
 }
 
 /// Two bodies that a shaft joins become one. What was seen of the shaft is seen of its neighbour.
-Move Merge(const std::string& shaft) {
+Move Join(const std::string& shaft) {
   return {fmt::format("shaft {} is rigid", shaft), [shaft](Value& root) {
             const Value* between = root.FindPath("plant.shaft." + shaft + ".between");
             if (between == nullptr || !between->is_array() || between->array().size() != 2 ||
@@ -279,13 +279,13 @@ Move Merge(const std::string& shaft) {
 }
 
 /// Stiff ones first: they move least.
-std::vector<Move> Merges(const Value& root) {
+std::vector<Move> Joints(const Value& root) {
   std::vector<std::pair<double, std::string>> shafts;
   for (const Value::Entry& entry : TableAt(root, "plant.shaft"))
     shafts.emplace_back(-entry.value.NumberOr("stiffness_Nm_per_rad", 0.0), entry.key);
   std::ranges::sort(shafts);
   std::vector<Move> moves;
-  for (const auto& [stiffness, name] : shafts) moves.push_back(Merge(name));
+  for (const auto& [stiffness, name] : shafts) moves.push_back(Join(name));
   return moves;
 }
 
@@ -324,6 +324,42 @@ std::vector<Move> Items(const Value& root, const std::string& list, std::size_t 
 std::vector<Move> Variants(const Value& root, const Known& known) {
   std::vector<Move> moves;
   for (const Value::Entry& entry : TableAt(root, "variant")) moves.push_back(WithAll("variant." + entry.key, known));
+  return moves;
+}
+
+bool NamesAPart(const Value& value) {
+  if (value.is_string()) return value.string().starts_with("control.") || value.string().starts_with("part.");
+  if (value.is_array()) return std::ranges::any_of(value.array(), NamesAPart);
+  return value.is_table() &&
+         std::ranges::any_of(value.table(), [](const Value::Entry& entry) { return NamesAPart(entry.value); });
+}
+
+void Merge(Value& into, const Value& from) {
+  if (!into.is_table() || !from.is_table()) {
+    into = from;
+    return;
+  }
+  for (const Value::Entry& entry : from.table()) {
+    Value* there = into.Find(entry.key);
+    if (there != nullptr) Merge(*there, entry.value);
+    if (there == nullptr) into[entry.key] = entry.value;
+  }
+}
+
+/// What a variant connects otherwise is connected so in all of the scenario: the parts that only the others need can go then.
+std::vector<Move> Adoptions(const Value& root) {
+  std::vector<Move> moves;
+  for (const Value::Entry& entry : TableAt(root, "variant")) {
+    if (!NamesAPart(entry.value)) continue;
+    const std::string path = "variant." + entry.key;
+    moves.push_back({"all as in " + path, [path](Value& tree) {
+                       const Value* variant = tree.FindPath(path);
+                       if (variant == nullptr || !variant->is_table()) return false;
+                       const Value taken = *variant;
+                       Merge(tree, taken);
+                       return true;
+                     }});
+  }
   return moves;
 }
 
@@ -595,6 +631,7 @@ std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& k
   std::vector<Group> groups = {{"words", Words(root)},
                                {"sections", Sections(root)},
                                {"variants", Variants(root, known)},
+                               {"wiring of variants", Adoptions(root)},
                                {"checks", Items(root, "check", 1)},
                                {"effects", Items(root, "effect", 0)},
                                {"signals", Signals(root, known)},
@@ -602,7 +639,7 @@ std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& k
                                {"parts", Parts(root, known)},
                                {"rotors", std::move(lumps)},
                                {"stages", Stages(root)},
-                               {"bodies", Merges(root)},
+                               {"bodies", Joints(root)},
                                {"sums", Sums(root)},
                                {"inputs that rest", Constants(root, true)},
                                {"inputs that step", Constants(root, false)}};

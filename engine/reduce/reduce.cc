@@ -367,10 +367,10 @@ class Reducer {
     }
   }
 
-  /// After other things have gone: only if what was too short before is so no more.
+  /// After other things have gone: only if what was too short before is so no more, or nothing was.
   void ShortenAgain() {
     const double before = Seconds();
-    if (too_short_ > 0.0 && Lasts(too_short_)) CutOff();
+    if (too_short_ == 0.0 || Lasts(too_short_)) CutOff();
     if (Seconds() < before) Note(fmt::format("shortened from {:g} s", before));
   }
 

@@ -316,6 +316,25 @@ TEST(ReduceMoves, AVariantGoesFromTheListsOfTheChecks) {
   EXPECT_EQ(root.TextOr("check.0.alike.0"), "a");
 }
 
+TEST(ReduceMoves, WhatAVariantConnectsIsConnectedSoForAll) {
+  Value root = Value{{"control", Value{{"new", Value{{"type", "x"}}}, {"old", Value{{"type", "y"}}}}},
+                     {"input", Value{{"u", Value{{"to", "plant.u"}, {"from", "control.new.u"}}}}},
+                     {"variant", Value{{"old", Value{{"input", Value{{"u", Value{{"from", "control.old.u"}}}}}}},
+                                       {"stiff", Value{{"plant", Value{{"k", 2.0}}}}}}}};
+  const auto apply = [&](const char* name, const char* what) {
+    const std::vector<Group> groups = GroupsOf(root, {});
+    const auto group = std::ranges::find(groups, name, &Group::what);
+    ASSERT_NE(group, groups.end());
+    Apply({*std::ranges::find(group->moves, what, &Move::what)}, root);
+  };
+  apply("wiring of variants", "all as in variant.old");
+  EXPECT_EQ(root.TextOr("input.u.from"), "control.old.u");
+  EXPECT_EQ(root.FindPath("plant.k"), nullptr) << "of another variant, which connects nothing";
+  apply("parts", "control.new");
+  EXPECT_EQ(root.TextOr("input.u.from"), "control.old.u");
+  EXPECT_NE(root.FindPath("variant.old"), nullptr);
+}
+
 TEST(ReduceMoves, ChecksLoseKeysAndItemsButNotWhatTheyAre) {
   const Value root = Value{{"check", Value(Value::Array{Value{{"kind", "growth"},
                                                               {"window_s", 0.1},
