@@ -247,6 +247,8 @@ class Reducer {
   /// Whether the plan fails as it did, and passes where it must: whoever said no last is asked first, and a no spares the others.
   /// Moves of a kind are mostly refused for one reason.
   bool Answered(const Plan& plan, const Plan* other, std::optional<score::Check>& same) {
+    // The others would spend a run on what cannot be built.
+    if (order_.front() != Asked::kPresent && Built(plan) == nullptr) return false;
     for (auto asked = order_.begin(); asked != order_.end(); ++asked) {
       const bool yes = *asked == Asked::kPresent ? FailsTheSame(plan, Paired() ? other : nullptr, same)
                        : *asked == Asked::kSound ? Sound(plan, last_.name)
