@@ -4,41 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <string_view>
 
+#include "reduce/connections.h"
+#include "reduce/tree.h"
+
 namespace dynoproof::reduce {
 namespace {
-
-/// Stands for an item of a list that is gone, so that the others keep their numbers until all moves are done.
-const char* const kGone = "\x01gone";
-
-bool IsGone(const Value& value) { return value.is_string() && value.string() == kGone; }
-
-void Sweep(Value& value) {
-  if (value.is_array()) {
-    std::erase_if(value.array(), IsGone);
-    for (Value& item : value.array()) Sweep(item);
-  }
-  if (!value.is_table()) return;
-  for (Value::Entry& entry : value.table()) Sweep(entry.value);
-  std::erase_if(value.table(), [](const Value::Entry& entry) {
-    const bool empty_list = entry.value.is_array() && entry.value.array().empty();
-    return IsGone(entry.value) || empty_list || (entry.value.is_table() && entry.value.table().empty());
-  });
-}
-
-Move Without(const std::string& path) {
-  return {path, [path](Value& root) {
-            Value* value = root.FindPath(path);
-            if (value == nullptr || IsGone(*value)) return false;
-            *value = Value(kGone);
-            return true;
-          }};
-}
-
-/// The body of an end: "I1" of "I1.left".
-std::string BodyOf(std::string_view end) { return std::string(end.substr(0, end.find('.'))); }
 
 /// Texts of lists and single ones below `value` that name the body, or one of its ends, get another name.
 void Rename(Value& value, const std::string& from, const std::string& to) {
@@ -80,109 +56,6 @@ void Rehang(Value& root, const std::string& from, const std::string& to) {
   }
 }
 
-/// A number or table that others name: "plant.inertia.I5" is "plant.I5" elsewhere, and "I5" within the plant.
-bool Names(const std::string& text, const std::string& holder, const std::string& path) {
-  const std::string first = path.substr(0, path.find('.')), last = path.substr(path.rfind('.') + 1);
-  const std::string full = first + "." + last;
-  if (text == full || text.starts_with(full + ".")) return true;
-  if (first == "plant") return (holder.starts_with("plant.") && BodyOf(text) == last) || text.ends_with(":" + last);
-  const bool by_signal = holder.starts_with("check.") || holder.starts_with("variant.") || holder == "analysis";
-  return (first == "input" || first == "output") && ((by_signal && text == last) || text == first + ":" + last);
-}
-
-bool NamesAny(const Value& value, const std::string& holder, const std::string& path) {
-  if (value.is_string()) return Names(value.string(), holder, path);
-  if (value.is_array())
-    return std::ranges::any_of(value.array(), [&](const Value& item) { return NamesAny(item, holder, path); });
-  return value.is_table() && std::ranges::any_of(value.table(), [&](const Value::Entry& entry) {
-           return NamesAny(entry.value, holder, path);
-         });
-}
-
-/// Everything that may name something else, or be named.
-std::vector<std::string> PartsOf(const Value& root) {
-  std::vector<std::string> paths;
-  for (const Value::Entry& section : root.table()) {
-    const bool list = section.value.is_array();
-    if (list && !section.value.array().empty() && section.value.array().front().is_table()) {
-      for (std::size_t i = 0; i < section.value.array().size(); ++i)
-        paths.push_back(fmt::format("{}.{}", section.key, i));
-    }
-    if (section.key == "analysis") paths.push_back(section.key);
-    if (!section.value.is_table() || section.key == "analysis" || section.key == "run") continue;
-    for (const Value::Entry& entry : section.value.table()) {
-      const std::string path = section.key + "." + entry.key;
-      if (section.key != "plant") paths.push_back(path);
-      if (section.key != "plant" || !entry.value.is_table()) continue;
-      for (const Value::Entry& part : entry.value.table()) paths.push_back(path + "." + part.key);
-    }
-  }
-  return paths;
-}
-
-/// Takes what names the part out of its holder where the holder can do without: of lists their items, and a loop that runs through
-/// it is opened. False: the holder goes as well.
-bool LetGo(Value& holder, const std::string& at, const std::string& path) {
-  if (!holder.is_table()) return false;
-  for (Value::Entry& entry : holder.table()) {
-    if (!NamesAny(entry.value, at, path)) continue;
-    if (entry.value.is_array() && entry.key != "between") {
-      std::erase_if(entry.value.array(), [&](const Value& item) { return NamesAny(item, at, path); });
-      if (entry.value.array().empty()) return false;
-    } else if (at.starts_with("input.") && entry.key == "from") {
-      entry = {"source", Value{{"type", "constant"}, {"value", 0.0}}, {}};
-    } else {
-      return false;
-    }
-  }
-  return true;
-}
-
-/// The torques of the plant that an input may drive.
-std::vector<std::string> TorquesOf(const Value& input) {
-  std::vector<std::string> torques;
-  const Value* to = input.Find("to");
-  if (to == nullptr) return torques;
-  for (const Value& port : to->is_array() ? to->array() : Value::Array{*to}) {
-    if (port.is_string() && port.string().starts_with("plant."))
-      torques.push_back("plant.torque." + port.string().substr(6));
-  }
-  return torques;
-}
-
-/// A part goes with all that cannot be without it: with an inertia its shafts, what acts on it and what is seen of it. False where
-/// that takes what is kept.
-bool TakeWithAll(Value& root, const std::string& path, const std::vector<std::string>& kept) {
-  Value* part = root.FindPath(path);
-  if (part == nullptr || IsGone(*part)) return false;
-  const std::string section = path.substr(0, path.find('.')), name = path.substr(path.rfind('.') + 1);
-  if (section == "check" || ((section == "input" || section == "output") && std::ranges::count(kept, name) > 0))
-    return false;
-  // A torque that nothing drives any more goes, too.
-  std::vector<std::string> driven;
-  if (path.starts_with("plant.inputs.")) driven.push_back("plant.torque." + name);
-  if (section == "input") driven = TorquesOf(*part);
-  *part = Value(kGone);
-  for (const std::string& torque : driven) {
-    if (Value* one = root.FindPath(torque); one != nullptr) *one = Value(kGone);
-  }
-  for (const std::string& at : PartsOf(root)) {
-    Value* holder = root.FindPath(at);
-    if (holder == nullptr || IsGone(*holder) || !NamesAny(*holder, at, path) || LetGo(*holder, at, path)) continue;
-    if (!TakeWithAll(root, at, kept)) return false;
-  }
-  return true;
-}
-
-Move WithAll(const std::string& path, const std::vector<std::string>& kept) {
-  return {path, [path, kept](Value& root) {
-            Value without = root;
-            if (!TakeWithAll(without, path, kept)) return false;
-            root = std::move(without);
-            return true;
-          }};
-}
-
 /// A rotor of slices becomes one inertia: the modes within it are gone.
 Move Lump(const std::string& name) {
   return {fmt::format("rotor {} is one inertia", name), [name](Value& root) {
@@ -201,8 +74,30 @@ Move Lump(const std::string& name) {
           }};
 }
 
-/// Two bodies that a shaft joins become one.
-Move Merge(const std::string& shaft) {
+/// Texts below `value` that name the part, or a port of it, name another one.
+void NameAnew(Value& value, const std::string& from, const std::string& to) {
+  if (value.is_string() && (value.string() == from || value.string().starts_with(from + ".")))
+    value = Value(to + value.string().substr(from.size()));
+  if (value.is_array()) {
+    for (Value& item : value.array()) NameAnew(item, from, to);
+  }
+  if (!value.is_table()) return;
+  for (Value::Entry& entry : value.table()) NameAnew(entry.value, from, to);
+}
+
+/// A shaft at the body.
+std::optional<std::string> ShaftAt(const Value& root, const std::string& body) {
+  for (const Value::Entry& entry : TableAt(root, "plant.shaft")) {
+    const Value* between = entry.value.Find("between");
+    for (const Value& end : between != nullptr && between->is_array() ? between->array() : Value::Array{}) {
+      if (end.is_string() && BodyOf(end.string()) == body) return entry.key;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Two bodies that a shaft joins become one. What was seen of the shaft is seen of its neighbour.
+Move Join(const std::string& shaft) {
   return {fmt::format("shaft {} is rigid", shaft), [shaft](Value& root) {
             const Value* between = root.FindPath("plant.shaft." + shaft + ".between");
             if (between == nullptr || !between->is_array() || between->array().size() != 2 ||
@@ -216,24 +111,19 @@ Move Merge(const std::string& shaft) {
             root["plant"]["inertia"].Erase(b);
             root["plant"]["shaft"].Erase(shaft);
             Rehang(root, b, a);
+            if (const auto neighbour = ShaftAt(root, a)) NameAnew(root, "plant." + shaft, "plant." + *neighbour);
             return true;
           }};
 }
 
-const Value::Table& TableAt(const Value& root, std::string_view path) {
-  static const Value::Table none;
-  const Value* value = root.FindPath(path);
-  return value != nullptr && value->is_table() ? value->table() : none;
-}
-
 /// Stiff ones first: they move least.
-std::vector<Move> Merges(const Value& root) {
+std::vector<Move> Joints(const Value& root) {
   std::vector<std::pair<double, std::string>> shafts;
   for (const Value::Entry& entry : TableAt(root, "plant.shaft"))
     shafts.emplace_back(-entry.value.NumberOr("stiffness_Nm_per_rad", 0.0), entry.key);
   std::ranges::sort(shafts);
   std::vector<Move> moves;
-  for (const auto& [stiffness, name] : shafts) moves.push_back(Merge(name));
+  for (const auto& [stiffness, name] : shafts) moves.push_back(Join(name));
   return moves;
 }
 
@@ -248,21 +138,30 @@ std::vector<Move> Sections(const Value& root) {
   return moves;
 }
 
-std::vector<Move> Signals(const Value& root, const std::vector<std::string>& kept) {
+std::vector<Move> Signals(const Value& root, const Known& known) {
   std::vector<Move> moves;
-  const auto wanted = [&](const std::string& name) { return std::ranges::count(kept, name) > 0; };
+  const auto wanted = [&](const std::string& name) { return std::ranges::count(known.kept, name) > 0; };
   for (const Value::Entry& entry : TableAt(root, "output")) {
     if (!wanted(entry.key)) moves.push_back(Without("output." + entry.key));
   }
   for (const Value::Entry& entry : TableAt(root, "input")) {
-    if (!wanted(entry.key)) moves.push_back(WithAll("input." + entry.key, kept));
+    if (!wanted(entry.key)) moves.push_back(WithAll("input." + entry.key, known));
   }
-  for (const char* list : {"effect", "check"}) {
-    const Value* items = root.Find(list);
-    if (items == nullptr || !items->is_array() || items->array().size() < (std::string_view(list) == "check" ? 2U : 1U))
-      continue;
-    for (std::size_t i = 0; i < items->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", list, i)));
-  }
+  return moves;
+}
+
+/// Items of a list of tables of which `fewest` are none to take: of checks one stays.
+std::vector<Move> Items(const Value& root, const std::string& list, std::size_t fewest) {
+  std::vector<Move> moves;
+  const Value* items = root.Find(list);
+  if (items == nullptr || !items->is_array() || items->array().size() <= fewest) return moves;
+  for (std::size_t i = 0; i < items->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", list, i)));
+  return moves;
+}
+
+std::vector<Move> Variants(const Value& root, const Known& known) {
+  std::vector<Move> moves;
+  for (const Value::Entry& entry : TableAt(root, "variant")) moves.push_back(WithAll("variant." + entry.key, known));
   return moves;
 }
 
@@ -291,11 +190,11 @@ std::vector<Move> Stages(const Value& root) {
 }
 
 /// Controls and other parts, and entries of the plant's tables: loads, shafts, inertias, whatever the plant calls its own.
-std::vector<Move> Parts(const Value& root, const std::vector<std::string>& kept) {
+std::vector<Move> Parts(const Value& root, const Known& known) {
   std::vector<Move> moves;
   for (const std::string& path : PartsOf(root)) {
     if (path.starts_with("control.") || path.starts_with("part.") || path.starts_with("plant."))
-      moves.push_back(WithAll(path, kept));
+      moves.push_back(WithAll(path, known));
   }
   return moves;
 }
@@ -372,16 +271,33 @@ Move FirstWords(const std::string& path) {
           }};
 }
 
-std::vector<Move> Keys(const Value& root) {
+/// Words that a reader wants and a run does not: they go in one try.
+bool IsWord(const std::string& path) {
+  const std::string key = path.substr(path.rfind('.') + 1);
+  return path.find('.') == std::string::npos || key == "description" || key == "unit";
+}
+
+std::vector<Move> Words(const Value& root) {
   std::vector<std::string> paths;
-  for (const Value::Entry& entry : root.table()) {
-    if (entry.key != "check") Leaves(entry.value, entry.key, paths);
-  }
+  Leaves(root, "", paths);
   std::vector<Move> moves;
-  for (const std::string& path : paths) moves.push_back(Without(path));
+  for (const std::string& path : paths) {
+    if (path != "check" && path != "effect" && IsWord(path)) moves.push_back(Without(path));
+  }
   if (const Value* checks = root.Find("check"); checks != nullptr && checks->is_array()) {
     for (std::size_t i = 0; i < checks->array().size(); ++i)
       moves.push_back(FirstWords(fmt::format("check.{}.origin", i)));
+  }
+  return moves;
+}
+
+/// Keys of one section. Stages have had their turn.
+std::vector<Move> Keys(const Value& root, const std::string& section) {
+  std::vector<std::string> paths;
+  if (const Value* value = root.Find(section); value != nullptr && value->is_table()) Leaves(*value, section, paths);
+  std::vector<Move> moves;
+  for (const std::string& path : paths) {
+    if (!IsWord(path) && !path.ends_with(".sensor") && !path.ends_with(".actuator")) moves.push_back(Without(path));
   }
   return moves;
 }
@@ -404,15 +320,10 @@ void RoundAll(const Value& value, const std::string& path, int digits, std::vect
   }
 }
 
-std::vector<Move> Digits(const Value& root, int digits) {
-  std::vector<Move> moves;
-  for (const char* section : {"plant", "input", "control"}) {
-    if (const Value* values = root.Find(section); values != nullptr) RoundAll(*values, section, digits, moves);
-  }
-  return moves;
-}
+/// An instant or a length of time: its name ends with "_s", and is no other quantity "per s".
+bool IsTime(const std::string& key) { return key.ends_with("_s") && !key.ends_with("per_s"); }
 
-/// Instants and lengths of time below `value`, whose names end with "_s" and no other quantity "per s".
+/// Instants and lengths of time below `value`.
 bool ScaleTimes(Value& value, double factor) {
   bool any = false;
   if (value.is_array()) {
@@ -420,7 +331,7 @@ bool ScaleTimes(Value& value, double factor) {
   }
   if (!value.is_table()) return any;
   for (Value::Entry& entry : value.table()) {
-    if (entry.key.ends_with("_s") && !entry.key.ends_with("per_s")) {
+    if (IsTime(entry.key)) {
       const bool list = entry.value.is_array();
       for (Value& number : list ? std::span(entry.value.array()) : std::span(&entry.value, 1)) {
         if (!number.is_number() || number.number() == 0.0) continue;
@@ -453,22 +364,86 @@ Move Earlier(double factor) {
 
 double Rounded(double value, int digits) { return std::stod(fmt::format("{:.{}e}", value, digits - 1)); }
 
-std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept) {
+std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels) {
+  const Known known{kept, levels};
   std::vector<Move> lumps;
   for (const Value::Entry& entry : TableAt(root, "plant.rotor")) lumps.push_back(Lump(entry.key));
-  std::vector<Group> groups = {{"sections", Sections(root)},
-                               {"signals, effects and checks", Signals(root, kept)},
-                               {"parts", Parts(root, kept)},
+  std::vector<Group> groups = {{"words", Words(root)},
+                               {"sections", Sections(root)},
+                               {"variants", Variants(root, known)},
+                               {"wiring of variants", Adoptions(root)},
+                               {"checks", Items(root, "check", 1)},
+                               {"effects", Items(root, "effect", 0)},
+                               {"signals", Signals(root, known)},
+                               {"shortcuts", Shortcuts(root, known)},
+                               {"parts", Parts(root, known)},
                                {"rotors", std::move(lumps)},
                                {"stages", Stages(root)},
-                               {"bodies", Merges(root)},
+                               {"bodies", Joints(root)},
                                {"sums", Sums(root)},
                                {"inputs that rest", Constants(root, true)},
-                               {"inputs that step", Constants(root, false)},
-                               {"keys", Keys(root)},
-                               {"digits", Digits(root, 2)}};
+                               {"inputs that step", Constants(root, false)}};
+  for (const Value::Entry& section : root.table()) {
+    if (section.key != "variant") groups.push_back({"keys of " + section.key, Keys(root, section.key)});
+  }
+  groups.push_back({"keys of variant", Keys(root, "variant")});
   std::erase_if(groups, [](const Group& group) { return group.moves.empty(); });
   return groups;
+}
+
+Group Digits(const Value& root, int digits) {
+  Group group{fmt::format("numbers in {} digits", digits), {}};
+  for (const char* section : {"plant", "input", "control", "part"}) {
+    if (const Value* values = root.Find(section); values != nullptr) RoundAll(*values, section, digits, group.moves);
+  }
+  return group;
+}
+
+Group KeysOfChecks(const Value& root) {
+  Group group{"keys of checks", {}};
+  const Value* checks = root.Find("check");
+  for (std::size_t i = 0; checks != nullptr && checks->is_array() && i < checks->array().size(); ++i) {
+    if (!checks->array()[i].is_table()) continue;
+    for (const Value::Entry& entry : checks->array()[i].table()) {
+      const std::string path = fmt::format("check.{}.{}", i, entry.key);
+      if (entry.key == "kind" || entry.key == "origin") continue;
+      group.moves.push_back(Without(path));
+      for (std::size_t k = 0; entry.value.is_array() && k < entry.value.array().size(); ++k)
+        group.moves.push_back(Without(fmt::format("{}.{}", path, k)));
+    }
+  }
+  return group;
+}
+
+double LastLookOf(const Value& root) {
+  double last = 0.0, shortest = std::numeric_limits<double>::infinity();
+  const Value* checks = root.Find("check");
+  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+    if (!check.is_table()) continue;
+    for (const Value::Entry& entry : check.table()) {
+      if (!IsTime(entry.key)) continue;
+      for (const Value& time : entry.value.is_array() ? entry.value.array() : Value::Array{entry.value}) {
+        last = std::max(last, time.is_number() ? time.number() : 0.0);
+        if (!entry.value.is_array() && time.is_number()) shortest = std::min(shortest, time.number());
+      }
+    }
+  }
+  return shortest < last ? last + shortest : last;
+}
+
+Levels LevelsOf(const Value& root, const trace::Trace& trace) {
+  Levels levels;
+  for (const auto& [section, key] : {std::pair("input", "from"), std::pair("output", "of")}) {
+    for (const Value::Entry& entry : TableAt(root, section)) {
+      const trace::Signal* signal = trace.Find(entry.key);
+      if (signal == nullptr || signal->values.empty()) continue;
+      const double sum = std::accumulate(signal->values.begin(), signal->values.end(), 0.0);
+      const double level = Rounded(sum / static_cast<double>(signal->values.size()), 3);
+      levels[std::string(section) + "." + entry.key] = level;
+      levels[entry.value.TextOr(key)] = level;
+    }
+  }
+  return levels;
 }
 
 void Apply(const std::vector<Move>& moves, Value& root) {

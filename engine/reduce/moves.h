@@ -2,10 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "model/value.h"
+#include "trace/trace.h"
 
 namespace dynoproof::reduce {
 
@@ -20,9 +22,24 @@ struct Group {
   std::vector<Move> moves;
 };
 
+/// What the inputs of a run amount to, and what is seen at its outputs, on average: "input.fuel" and "part.engine.torque" to a number.
+using Levels = std::map<std::string, double>;
+Levels LevelsOf(const Value& root, const trace::Trace& trace);
+
 /// Groups in the order in which they pay: whole sections, signals and effects, parts with all that names them, what a rotor and a
-/// stiff coupling hide, stages, single keys, digits. `kept`: signals that the check looks at.
-std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept);
+/// stiff coupling hide, stages, single keys. `kept`: signals that the check looks at.
+/// An input whose control goes rests at its level.
+std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels = {});
+
+/// Numbers in so many digits, which fits more on a line.
+Group Digits(const Value& root, int digits);
+
+/// What the checks can do without: keys that have a default, items of lists. It changes what they say.
+Group KeysOfChecks(const Value& root);
+
+/// When the checks look for the last time: their largest instant, with their shortest stretch behind it where they name more than one
+/// time; 0 where they name none.
+double LastLookOf(const Value& root);
 
 /// What happens in the inputs, when the checks look, and the end of the run come at this share of their time.
 Move Earlier(double factor);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <ranges>
+#include <set>
 
 #include "experiment/compare_traces.h"
 #include "experiment/golden.h"
@@ -54,18 +56,27 @@ class Reducer {
     // What one group has taken out may let go of what an earlier one could not.
     for (bool less = true; less && Left();) {
       less = false;
-      for (const Group& group : GroupsOf(plan_.root, Kept())) {
-        // Anew, since what went before may have taken some of it.
-        for (const Group& now : GroupsOf(plan_.root, Kept())) {
-          if (now.what == group.what && Left()) less = TakeOut(now.what, now.moves) || less;
-        }
-      }
-      if (less) Shorten();
+      for (const std::string& group : GroupNames()) less = TakeOut(group) || less;
+      if (less) ShortenAgain();
     }
+    Round();
     return Done(std::move(reduced));
   }
 
  private:
+  /// The groups of moves that what is left offers; anew each time, since what went before may have taken some of it.
+  std::vector<Group> Groups() const {
+    std::vector<Group> groups = GroupsOf(plan_.root, Kept(), levels_);
+    // Only what passes the check elsewhere tells a check that says less from one that looks elsewhere.
+    if (Guarded()) groups.push_back(KeysOfChecks(plan_.root));
+    return groups;
+  }
+  std::vector<std::string> GroupNames() const {
+    std::vector<std::string> names;
+    for (const Group& group : Groups()) names.push_back(group.what);
+    return names;
+  }
+
   Reduced Done(Reduced reduced) {
     reduced.complete = Left();
     reduced.beside_sound = by_sound_;
@@ -139,6 +150,8 @@ class Reducer {
   }
 
   bool Paired() const { return symptom_.check.stated == GoldenCheck::kName; }
+  /// Whether something else than the failing check tells that the fault is there.
+  bool Guarded() const { return Paired() || good_ || options_.sound; }
   /// Whether another try is affordable: a run, one that it is compared with, one of the other program.
   bool Left() const {
     const int cost = 1 + (Paired() || good_ ? 1 : 0) + (options_.sound && !Paired() ? 1 : 0);
@@ -164,7 +177,11 @@ class Reducer {
     const bool pair = was != nullptr || by_sound_;
     runs_ += pair ? 2 : 1;
     if (options_.progress) options_.progress(trying_, runs_);
-    if (!pair) return RunScenario(*prepared, {.out = ""});
+    if (!pair) {
+      return RunScenario(*prepared, {.out = "", .seen = [&](const Course& course, const ScenarioResult&) {
+                                       if (levels_.empty()) levels_ = LevelsOf(plan.root, course.trace);
+                                     }});
+    }
     const Result<Course> own = Play(*prepared);
     if (!own.ok()) return std::nullopt;
     std::optional<trace::Trace> beside;
@@ -211,31 +228,48 @@ class Reducer {
   bool Try(const std::function<bool(Value& root)>& change) {
     Plan plan = plan_;
     if (!change(plan.root)) return false;
-    std::optional<Plan> was = was_;
-    if (was) change(was->root);
-    const std::optional<ScenarioResult> result = Look(plan, was ? &*was : nullptr);
-    if (!result) return false;
+    std::optional<Plan> other = Paired() ? was_ : good_;
+    if (other) change(other->root);
+    const std::string text = ToToml(plan.root), beside = other ? ToToml(other->root) : "";
+    // Two that are one do not differ, and what was refused once is refused again: neither costs a run.
+    if ((other && text == beside) || refused_.contains(text + beside)) return false;
     std::optional<score::Check> same;
-    if (const auto broken = Broken(*result)) {
-      if (!symptom_.Same(*broken)) return false;
-    } else {
-      if (symptom_.name.empty()) return false;
-      for (const score::Check& check : result->checks) {
-        if (check.verdict != score::Verdict::kPass && symptom_.Same(SymptomOf(check))) same = check;
-      }
-      if (!same) return false;
-    }
-    if (!Sound(plan, same ? same->name : "")) return false;
-    std::optional<Plan> good = good_;
-    if (good) {
-      change(good->root);
-      if (!Passes(*good)) return false;
-      good_ = std::move(good);
+    if (!Answered(plan, other ? &*other : nullptr, same)) {
+      refused_.insert(text + beside);
+      return false;
     }
     if (same) last_ = *same;
     plan_ = std::move(plan);
-    was_ = std::move(was);
+    (Paired() ? was_ : good_) = std::move(other);
     return true;
+  }
+
+  /// Whether the plan fails as it did, and passes where it must: whoever said no last is asked first, and a no spares the others.
+  /// Moves of a kind are mostly refused for one reason.
+  bool Answered(const Plan& plan, const Plan* other, std::optional<score::Check>& same) {
+    // The others would spend a run on what cannot be built.
+    if (order_.front() != Asked::kPresent && Built(plan) == nullptr) return false;
+    for (auto asked = order_.begin(); asked != order_.end(); ++asked) {
+      const bool yes = *asked == Asked::kPresent ? FailsTheSame(plan, Paired() ? other : nullptr, same)
+                       : *asked == Asked::kSound ? Sound(plan, last_.name)
+                                                 : Paired() || other == nullptr || Passes(*other);
+      if (yes) continue;
+      std::rotate(order_.begin(), asked, asked + 1);
+      return false;
+    }
+    return true;
+  }
+
+  /// Whether the check fails there as it did; `same`: how, where the run does not break.
+  bool FailsTheSame(const Plan& plan, const Plan* was, std::optional<score::Check>& same) {
+    const std::optional<ScenarioResult> result = Look(plan, was);
+    if (!result) return false;
+    if (const auto broken = Broken(*result)) return symptom_.Same(*broken);
+    if (symptom_.name.empty()) return false;
+    for (const score::Check& check : result->checks) {
+      if (check.verdict != score::Verdict::kPass && symptom_.Same(SymptomOf(check))) same = check;
+    }
+    return same.has_value();
   }
 
   /// Whether the other program, where one is asked, passes what fails here; its run counts. A golden check has its own comparison.
@@ -262,90 +296,152 @@ class Reducer {
     return kept;
   }
 
-  /// Other kinds of checks first: they cost runs of other solvers.
+  /// The others first: they cost runs of other solvers, and name signals that would have to stay.
   void KeepItsChecks() {
     const Value* all = plan_.root.Find("check");
     if (all == nullptr || !all->is_array() || symptom_.check.stated.empty()) return;
     trying_ = "other checks";
-    const bool kept = Try([&](Value& root) {
-      Value* checks = root.Find("check");
-      if (checks == nullptr || !checks->is_array()) return false;
-      return std::erase_if(checks->array(),
-                           [&](const Value& check) { return check.TextOr("kind") != symptom_.check.stated; }) > 0;
-    });
-    if (kept) Note("checks of other kinds");
+    const Value::Array checks = all->array();
+    if (checks.size() < 2) return;
+    const auto of_its_kind = [&](const Value& check) { return check.TextOr("kind") == symptom_.check.stated; };
+    const auto only = [](Value::Array kept) {
+      return [kept = std::move(kept)](Value& root) {
+        root["check"] = Value(kept);
+        return !kept.empty();
+      };
+    };
+    Value::Array its_kind;
+    std::ranges::copy_if(checks, std::back_inserter(its_kind), of_its_kind);
+    for (const Value& one : its_kind) {
+      if (!Left() || !Try(only({one}))) continue;
+      Note("other checks");
+      return;
+    }
+    if (its_kind.size() < checks.size() && Left() && Try(only(its_kind))) Note("checks of other kinds");
   }
 
   void Shorten() {
     const double before = Seconds();
-    CutOff();
+    // A check that looks at a stretch of time holds the run as long as that: its stretch comes earlier first.
+    const bool held = LastLookOf(plan_.root) > kShort * before;
+    if (!held) CutOff();
     // Where something else says that the fault is there, it may come earlier as well.
     for (const double factor : {1.0 / 16.0, 0.25, 0.5}) {
-      if (!(Paired() || good_ || options_.sound) || Seconds() < kShort * before || !Left()) break;
+      if (!Guarded() || Seconds() < kShort * before || !Left()) break;
       trying_ = "events earlier";
       if (!Try(Earlier(factor).apply)) continue;
       Note(Earlier(factor).what);
-      CutOff();
+      if (!held) CutOff();
       break;
     }
+    if (held) CutOffBehind(LastLookOf(plan_.root));
     if (Seconds() < before) Note(fmt::format("shortened from {:g} s", before));
   }
 
-  void CutOff() {
-    double passes = 0.0;
-    const double before = Seconds();
+  /// Whether the fault shows in a run of this length, which it has then.
+  bool Lasts(double duration_s) {
     trying_ = "a shorter run";
+    if (!Left() || Rounded(duration_s, 3) >= Seconds()) return false;
+    const bool lasts = Try([&](Value& root) {
+      root["run"]["duration_s"] = Value(Rounded(duration_s, 3));
+      return true;
+    });
+    if (!lasts) too_short_ = std::max(too_short_, duration_s);
+    return lasts;
+  }
+
+  void CutOff() {
+    too_short_ = 0.0;
+    const double before = Seconds();
     // From a sixteenth on: most faults show early.
-    for (double fails = before, tried = before / 16.0; Left() && fails > kShorter * passes && fails > 0.0;) {
-      if (Try([&](Value& root) {
-            root["run"]["duration_s"] = Value(Rounded(tried, 3));
-            return true;
-          })) {
-        fails = Seconds();
-      } else {
-        passes = tried;
-      }
-      tried = passes > 0.0 ? std::sqrt(passes * fails) : fails / 16.0;
-      if (tried < 1e-3 * before) break;
+    for (double tried = before / 16.0; Left() && Seconds() > kShorter * too_short_ && tried >= 1e-3 * before;) {
+      Lasts(tried);
+      tried = too_short_ > 0.0 ? std::sqrt(too_short_ * Seconds()) : Seconds() / 16.0;
     }
   }
 
-  /// All of these moves together, or as many as keep the fault. True when any did. A move that leaves nothing that can be built is
+  /// What lies behind the check's last look goes; a run that is shorter still is sought only where a little less than that shows it.
+  void CutOffBehind(double last_look_s) {
+    if (!Lasts(last_look_s)) {
+      CutOff();
+    } else if (Lasts(Seconds() / kShorter)) {
+      CutOff();
+    }
+  }
+
+  /// After other things have gone: only if what was too short before is so no more, or nothing was.
+  void ShortenAgain() {
+    const double before = Seconds();
+    if (too_short_ == 0.0 || Lasts(too_short_)) CutOff();
+    if (Seconds() < before) Note(fmt::format("shortened from {:g} s", before));
+  }
+
+  /// All moves of a group together, or as many as keep the fault. True when any did. A move that leaves nothing that can be built is
   /// no move: to find that costs no run.
-  bool TakeOut(const std::string& what, const std::vector<Move>& moves) {
-    trying_ = what;
+  bool TakeOut(const std::string& what) {
+    for (const Group& group : Groups()) {
+      if (group.what == what) return TakeOut(group);
+    }
+    return false;
+  }
+
+  bool TakeOut(const Group& group) {
+    trying_ = group.what;
     const std::size_t lines = Lines();
-    std::vector<Move> possible;
-    std::ranges::copy_if(moves, std::back_inserter(possible), [&](const Move& move) {
+    std::vector<Move> possible, once_more;
+    for (const Move& move : group.moves) {
       Plan plan = plan_;
       const std::string before = ToToml(plan.root);
       Apply({move}, plan.root);
-      return ToToml(plan.root) != before && Built(plan) != nullptr;
-    });
+      if (ToToml(plan.root) == before || Built(plan) == nullptr) continue;
+      (alone_.contains(move.what) ? once_more : possible).push_back(move);
+    }
     std::vector<std::string> done;
     Halve(possible, done);
+    // What was refused alone mostly is so again, and would take others of its half along.
+    for (const Move& move : once_more | std::views::reverse) Halve({move}, done);
     if (done.empty()) return false;
     constexpr std::size_t kSaid = 4;
     std::string text = fmt::format(
         "{}", fmt::join(done.begin(), done.begin() + static_cast<std::ptrdiff_t>(std::min(kSaid, done.size())), ", "));
     if (done.size() > kSaid) text += fmt::format(" and {} more", done.size() - kSaid);
-    Note(fmt::format("{}: {}", what, text));
-    return Lines() < lines || what == "digits";
+    Note(fmt::format("{}: {}", group.what, text));
+    return Lines() < lines;
+  }
+
+  /// The last of all, since it takes no line of the scenario, but makes more of them fit on one: two digits where all numbers can,
+  /// else as few as each can.
+  void Round() {
+    std::vector<std::string> done;
+    const Group two = Digits(plan_.root, 2);
+    trying_ = two.what;
+    if (two.moves.empty() || !Left()) return;
+    if (Together(two.moves, done)) {
+      Note(two.what);
+      return;
+    }
+    for (const int digits : {6, 4, 2}) TakeOut(Digits(plan_.root, digits));
+  }
+
+  /// Whether all of these moves together keep the fault; they are done then.
+  bool Together(const std::vector<Move>& moves, std::vector<std::string>& done) {
+    Value changed = plan_.root;
+    Apply(moves, changed);
+    const auto apply = [&](Value& root) {
+      Apply(moves, root);
+      return true;
+    };
+    if (ToToml(changed) == ToToml(plan_.root) || !Try(apply)) return false;
+    for (const Move& move : moves) done.push_back(move.what);
+    return true;
   }
 
   void Halve(const std::vector<Move>& moves, std::vector<std::string>& done) {
-    if (moves.empty() || !Left()) return;
-    Value changed = plan_.root;
-    Apply(moves, changed);
-    const bool changes = ToToml(changed) != ToToml(plan_.root);
-    if (changes && Try([&](Value& root) {
-          Apply(moves, root);
-          return true;
-        })) {
-      for (const Move& move : moves) done.push_back(move.what);
+    if (moves.empty() || !Left() || Together(moves, done)) return;
+    if (moves.size() == 1) {
+      alone_.insert(moves.front().what);
       return;
     }
-    if (moves.size() == 1) return;
     // Lists lose their numbers with each part that goes: the later half goes before the earlier one.
     const auto middle = moves.begin() + static_cast<std::ptrdiff_t>(moves.size() / 2);
     Halve({middle, moves.end()}, done);
@@ -357,6 +453,12 @@ class Reducer {
   std::optional<Plan> good_;  // of another check: where it passes
   bool by_sound_ = false;     // of a golden check: the other program's run is what it is compared with
   SignalTolerances tolerances_;
+  Levels levels_;  // of the whole scenario's run
+  enum class Asked { kPresent, kSound, kGood };
+  std::vector<Asked> order_ = {Asked::kPresent, Asked::kSound, Asked::kGood};
+  std::set<std::string> refused_;  // scenarios that did not show it, with what they were compared with
+  std::set<std::string> alone_;    // moves that were refused by themselves
+  double too_short_ = 0.0;         // the longest run that did not show it, as what was left stood then
   const Registry& registry_;
   const Options& options_;
   Symptom symptom_;

@@ -11,6 +11,7 @@ namespace dynoproof::reduce {
 namespace {
 
 constexpr std::size_t kWidth = 130;
+constexpr std::size_t kFew = 2;  // entries of a table that needs no heading
 
 /// "key = value", or the key alone.
 std::string Line(const std::string& key, const Value& value) {
@@ -49,8 +50,8 @@ void Write(const Value& table, const std::string& path, const std::string& prefi
         text.sections += fmt::format("\n[[{}]]\n", name);
         for (const Value::Entry& inner : item.table()) text.sections += Line(inner.key, inner.value) + "\n";
       }
-    } else if (IsTableOfTables(entry.value)) {
-      // Each on its line, as "shaft.k3 = { ... }".
+    } else if (IsTableOfTables(entry.value) || entry.value.table().size() <= kFew) {
+      // Each on its line, as "shaft.k3 = { ... }"; of two entries the prefix is read sooner than a heading.
       Write(entry.value, name, prefix + Key(entry.key) + ".", text);
     } else {
       Text inner;

@@ -42,6 +42,12 @@ TEST(ShortForm, PutsOnALineWhatFits) {
   EXPECT_EQ(ShortForm(root), "run = { duration_s = 0.5 }\ncheck = [{ kind = \"golden\" }]\n");
 }
 
+TEST(ShortForm, GivesTwoEntriesNoHeading) {
+  const std::string of(100, 'x'), type(60, 'y');
+  const Value root = Value{{"input", Value{{"u", Value{{"to", of}, {"source", Value{{"type", type}}}}}}}};
+  EXPECT_EQ(ShortForm(root), "input.u.to = \"" + of + "\"\ninput.u.source = { type = \"" + type + "\" }\n");
+}
+
 TEST(ShortForm, CountsLinesThatHoldSomethingAndValues) {
   EXPECT_EQ(LinesOf("a = 1\n\n[b]\nc = 2\n"), 3U);
   EXPECT_EQ(LinesOf(""), 0U);

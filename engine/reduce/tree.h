@@ -1,0 +1,28 @@
+// What the moves do to a tree: marks for what is gone, and tables by their path.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "model/value.h"
+#include "reduce/moves.h"
+
+namespace dynoproof::reduce {
+
+/// Stands for an item of a list that is gone, so that the others keep their numbers until all moves are done.
+inline constexpr const char* kGone = "\x01gone";
+bool IsGone(const Value& value);
+
+/// Takes out what is marked as gone, and what is empty then.
+void Sweep(Value& value);
+
+/// What stands there goes.
+Move Without(const std::string& path);
+
+/// The body of an end: "I1" of "I1.left".
+std::string BodyOf(std::string_view end);
+
+/// The entries of the table there; none where there is no table.
+const Value::Table& TableAt(const Value& root, std::string_view path);
+
+}  // namespace dynoproof::reduce
