@@ -53,17 +53,6 @@ bool LeavesNoise(const EstimationProblem& problem, const Contestant& one, const 
   return std::ranges::all_of(structure, [](const auto& of) { return of.tested && !of.found(); });
 }
 
-/// Whether what a model leaves at its longest memory may be another cause beside a noise that can be seen.
-bool NearEnough(const Contestant& one) {
-  for (std::size_t level = one.levels.size(); level-- > 0;) {
-    if (!one.Holds(level)) continue;
-    return std::ranges::all_of(one.levels[level].scales, [](const estimation::ChannelScale& scale) {
-      return scale.rms <= policy::kNearEnough * scale.noise_alone;
-    });
-  }
-  return false;
-}
-
 /// The share of what the null leaves that one of its numbers would remove without its prior, beside the others: linear.
 double RemovedBy(const Contestant& null, std::size_t level, Eigen::Index i) {
   const estimation::Estimate& fit = null.levels[level];
@@ -254,49 +243,20 @@ class Pipeline {
   /// Once more with the cause in the model, for there may be several.
   Answer WithFurtherCauses(Answer answer) {
     for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
-      const std::optional<std::size_t> base = BaseOf(answer);
+      const Contest& contest = answer.contest;
+      std::vector<Base> bases;
+      if (!Spent() && contest.null().hypothesis.effects().empty()) {
+        const Conduct conduct{[](double) {}, [&] { return Spent(); }, &saved_, "pairs, " + contest.pass()};
+        bases = BasesOfPairs(contest, levels_, magnitudes_, problem_.registry(), conduct);
+      }
+      const std::optional<std::size_t> base = BaseOf(contest, answer.settled, bases, levels_, result_.journal);
       if (!base || Spent()) break;
-      const Contestant& null = answer.contest.contestants[*base];
-      Result<Answer> next = Ask(null, answer.contest.released, "with " + null.Name());
+      const Contestant& null = contest.contestants[*base];
+      Result<Answer> next = Ask(null, contest.released, "with " + null.Name());
       if (!next.ok() || !Adds(answer, *next)) break;
       answer = *std::move(next);
     }
     return answer;
-  }
-
-  /// Gives the contestant on top of which a further cause is looked for: the cause that was found, or the effect that explains most;
-  /// but a half of the best pair, where that pair leaves less than the leader does with any second effect. Under the priors the
-  /// leader, its best pair, or without a leader the best of all pairs has to be near the noise.
-  std::optional<std::size_t> BaseOf(const Answer& answer) {
-    const auto& [contest, settled] = answer;
-    const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
-    std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
-                                        : most                  ? settled.best
-                                                                : std::nullopt;
-    std::vector<Base> bases;
-    if (!Spent() && contest.null().hypothesis.effects().empty()) {
-      const Conduct conduct{[](double) {}, [&] { return Spent(); }, &saved_, "pairs, " + contest.pass()};
-      bases = BasesOfPairs(contest, levels_, magnitudes_, problem_.registry(), conduct);
-    }
-    const auto of_leader =
-        std::ranges::find_if(bases, [&](const Base& base) { return leader && base.contestant == *leader; });
-    const bool near = of_leader != bases.end() && IsNearTheNoise(of_leader->fit());
-    if (leader && !contest.released && !near && !NearEnough(contest.contestants[*leader])) leader.reset();
-    if (bases.empty()) return leader;
-    const Base& best = bases.front();
-    const auto left = [&](const Base& base) { return LogExcess(base.fit().scales, levels_.data()); };
-    const bool less = of_leader == bases.end() || left(*of_leader) - left(best) > std::log(policy::kMarginBest);
-    const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
-    JournalEntry entry{"second look",
-                       {best.pair.Name()},
-                       "excess of the best pair on top of each, " + levels_.Name(best.level),
-                       {},
-                       takes    ? "goes on from " + contest.contestants[best.contestant].Name()
-                       : leader ? "goes on from " + contest.contestants[*leader].Name()
-                                : "none is near the noise"};
-    for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * left(base)));
-    result_.journal.push_back(std::move(entry));
-    return takes ? best.contestant : leader;
   }
 
   void Enter(const Contest& contest, const Settled& settled, const std::string& stage) {

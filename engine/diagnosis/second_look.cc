@@ -1,6 +1,7 @@
 #include "diagnosis/second_look.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/first_look.h"
 #include "diagnosis/policy.h"
@@ -22,6 +23,17 @@ std::vector<std::size_t> Removing(const Contest& contest, const Levels& levels, 
   for (const auto& [share, i] : shares) which.push_back(i);
   which.resize(std::min(which.size(), policy::kBases));
   return which;
+}
+
+/// Whether what a model leaves at its longest memory may be another cause beside a noise that can be seen.
+bool NearEnough(const Contestant& one) {
+  for (std::size_t level = one.levels.size(); level-- > 0;) {
+    if (!one.Holds(level)) continue;
+    return std::ranges::all_of(one.levels[level].scales, [](const estimation::ChannelScale& scale) {
+      return scale.rms <= policy::kNearEnough * scale.noise_alone;
+    });
+  }
+  return false;
 }
 
 }  // namespace
@@ -47,6 +59,33 @@ std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, con
   }
   std::ranges::stable_sort(bases, {}, [&](const Base& base) { return LogExcess(base.fit().scales, levels.data()); });
   return bases;
+}
+
+std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled, const std::vector<Base>& bases,
+                                  const Levels& levels, Journal& journal) {
+  const bool most = settled.best && settled.best_explains >= policy::kHeldOutReleased;
+  std::optional<std::size_t> leader = !settled.causes.empty() ? std::optional(settled.causes.front())
+                                      : most                  ? settled.best
+                                                              : std::nullopt;
+  const auto of_leader =
+      std::ranges::find_if(bases, [&](const Base& base) { return leader && base.contestant == *leader; });
+  const bool near = of_leader != bases.end() && IsNearTheNoise(of_leader->fit());
+  if (leader && !contest.released && !near && !NearEnough(contest.contestants[*leader])) leader.reset();
+  if (bases.empty()) return leader;
+  const Base& best = bases.front();
+  const auto left = [&](const Base& base) { return LogExcess(base.fit().scales, levels.data()); };
+  const bool less = of_leader == bases.end() || left(*of_leader) - left(best) > std::log(policy::kMarginBest);
+  const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
+  JournalEntry entry{"second look",
+                     {best.pair.Name()},
+                     "excess of the best pair on top of each, " + levels.Name(best.level),
+                     {},
+                     takes    ? "goes on from " + contest.contestants[best.contestant].Name()
+                     : leader ? "goes on from " + contest.contestants[*leader].Name()
+                              : "none is near the noise"};
+  for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * left(base)));
+  journal.push_back(std::move(entry));
+  return takes ? best.contestant : leader;
 }
 
 }  // namespace dynoproof::diagnosis

@@ -2,9 +2,11 @@
 // others, as a bent characteristic does for a limit and an offset, and a search that goes on from it never comes to these.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/contest.h"
+#include "diagnosis/settle.h"
 
 namespace dynoproof::diagnosis {
 
@@ -21,5 +23,11 @@ struct Base {
 /// leaves least. Empty where the null or no contestant holds there.
 std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, const Magnitudes& magnitudes,
                                const Registry& registry, const Conduct& conduct);
+
+/// The contestant on top of which a further cause is looked for: the cause that was found, or the effect that explains most;
+/// but a half of the best pair, where that pair leaves less than the leader does with any second effect. Under the priors the
+/// leader, its best pair, or without a leader the best of all pairs has to be near the noise. Nothing: on top of none.
+std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled, const std::vector<Base>& bases,
+                                  const Levels& levels, Journal& journal);
 
 }  // namespace dynoproof::diagnosis

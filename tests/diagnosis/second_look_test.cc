@@ -43,6 +43,12 @@ TEST(SlowSecondLook, GoesOnFromAHalfOfThePairAndNotFromWhatRemovesMostAlone) {
     EXPECT_GE(LogExcess(base.fit().scales, (*levels)->data()), least);
     least = LogExcess(base.fit().scales, (*levels)->data());
   }
+  Settled settled;
+  settled.causes = {static_cast<std::size_t>(alone - contest->contestants.data())};
+  Journal journal;
+  EXPECT_EQ(BaseOf(*contest, settled, bases, **levels, journal), bases.front().contestant);
+  EXPECT_EQ(journal.size(), 1U);
+  EXPECT_EQ(BaseOf(*contest, Settled(), {}, **levels, journal), std::nullopt) << "nothing to go on from";
 }
 
 }  // namespace
