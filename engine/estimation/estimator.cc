@@ -26,6 +26,7 @@ constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be 
 /// One simulated point.
 struct Point {
   VectorXd q, innovations, noise_alone;
+  bool rough = false;
 };
 
 class Residual : public ceres::CostFunction {
@@ -36,7 +37,6 @@ class Residual : public ceres::CostFunction {
     for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
       if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
     }
-    rough_ = predictor.IsRough(hypothesis.At(hypothesis.start()));
     set_num_residuals(static_cast<int>(rows_ + std::ssize(predictor.data().channels()) + std::ssize(priors_)));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(hypothesis.parameters().size()));
   }
@@ -50,7 +50,7 @@ class Residual : public ceres::CostFunction {
       broken_ = prediction.failure().ToString();
       return std::nullopt;
     }
-    last_ = Point{q, std::move(prediction->innovations), std::move(prediction->noise_alone)};
+    last_ = Point{q, std::move(prediction->innovations), std::move(prediction->noise_alone), prediction->rough};
     return last_;
   }
 
@@ -122,7 +122,7 @@ class Residual : public ceres::CostFunction {
         columns.col(i) = Known(*column, i, weighted);
         continue;
       }
-      double step = rough_ ? parameter.rough_step : parameter.step;
+      double step = here.rough ? parameter.rough_step : parameter.step;
       if (here.q[i] + step > upper[i]) step = -step;
       moved[i] += step;
       const std::optional<Point> there = At(moved);
@@ -202,7 +202,6 @@ class Residual : public ceres::CostFunction {
   const Predictor& predictor_;
   std::optional<KnownColumns> known_;
   Index rows_ = 0;
-  bool rough_ = false;
   std::vector<Index> priors_;
   mutable RowMajor kept_;
   mutable VectorXd kept_at_, kept_weighted_;
@@ -330,7 +329,6 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
 Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const VectorXd& start,
              const EstimatorOptions& options) {
   Estimate estimate;
-  const std::int64_t before = predictor.simulations();
   Residual residual(hypothesis, predictor, options.known);
   const VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
   VectorXd q = start.cwiseMax(lower).cwiseMin(upper), weighted;
@@ -406,7 +404,7 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
     estimate.noise_slope =
         weighted.segment(residual.rows(), channels).asDiagonal() * columns.middleRows(residual.rows(), channels);
   }
-  estimate.simulations = predictor.simulations() - before;
+  estimate.simulations = residual.points() * std::ssize(predictor.data().records());
   return estimate;
 }
 

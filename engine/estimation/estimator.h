@@ -36,9 +36,9 @@ struct Estimate {
   std::vector<ChannelScale> scales;  // by channel
   double criterion = 0.0;            // Q at q about q
   int iterations = 0, renewals = 0;
-  std::int64_t simulations = 0;
-  std::string termination;  // why it stopped
-  std::string broken;       // why there is no estimate; empty: there is one
+  std::int64_t simulations = 0;  // runs of a record, of this fit alone
+  std::string termination;       // why it stopped
+  std::string broken;            // why there is no estimate; empty: there is one
 
   bool ok() const { return broken.empty(); }
   /// Gives back the memory of all that has a row for each of the data's.

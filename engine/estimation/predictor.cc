@@ -302,21 +302,17 @@ Result<VectorXd> Predictor::Innovations(const Plan& plan) const {
 Result<Prediction> Predictor::Predict(const Plan& plan) const { return Predict(plan, true); }
 
 Result<Prediction> Predictor::Predict(const Plan& plan, bool with_noise) const {
-  Prediction prediction{VectorXd(data_->measured().size()), {}};
+  Prediction prediction{VectorXd(data_->measured().size()), {}, false};
   for (std::size_t r = 0; r < data_->records().size(); ++r) {
     const Result<BuiltRun> run = Build(plan, r);
     if (!run.ok()) return run.failure();
     ++simulations_;
     if (with_noise && r == 0) prediction.noise_alone = NoiseAlone(plan, *run);
+    prediction.rough = prediction.rough || run->rig->guards > 0;
     if (Status failed = RunBeside(*run, data_->records()[r], r, prediction.innovations)) return *failed;
   }
   if (!prediction.innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
   return prediction;
-}
-
-bool Predictor::IsRough(const Plan& plan) const {
-  const Result<BuiltRun> run = Build(plan, 0);
-  return run.ok() && run->rig->guards > 0;
 }
 
 VectorXd Predictor::NoiseOfNominal() const {

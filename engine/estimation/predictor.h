@@ -19,6 +19,7 @@ namespace dynoproof::estimation {
 struct Prediction {
   Eigen::VectorXd innovations;  // measured - predicted, by row, before the row's own sample corrects
   Eigen::VectorXd noise_alone;  // RMS by channel that measurement noise alone causes in them
+  bool rough = false;           // guards are in the rig, so that small changes are not seen as such
 };
 
 /// One way to predict, for all models of a search.
@@ -48,9 +49,6 @@ class Predictor {
   /// corrects it gets as much white noise again. Noise that comes before an impact moves the impact, which no linear model
   /// knows. Not thread-safe.
   void LearnNoise(const Plan& nominal);
-
-  /// Whether guards are in that plan's rig, so that small changes are not seen as such. False where it cannot be built.
-  bool IsRough(const Plan& plan) const;
 
   /// How many runs of a record it has made. Thread-safe.
   std::int64_t simulations() const { return simulations_.load(); }

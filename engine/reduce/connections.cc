@@ -104,7 +104,7 @@ bool TakeWithAll(Value& root, const std::string& path, const Known& known) {
   return true;
 }
 
-/// What the part of a port is asked for at a port of the same name, by way of the parts that feed it: of "part.machine.torque" the
+/// The port of the same name that asks the part of a port, by way of the parts that feed it: of "part.machine.torque" the
 /// "control.core.T_ref" that its control takes as torque, or "input.T_set".
 std::optional<std::string> AskedOf(const Value& root, const std::string& port) {
   const auto part_of = [](const std::string& text) { return text.substr(0, text.rfind('.')); };

@@ -1,4 +1,4 @@
-// What feeds what in a scenario: a part goes with all that names it, or what it fed is fed otherwise.
+// Connections of a scenario's parts: a part goes with all that names it, or its consumers are fed otherwise.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace dynoproof::reduce {
 
-/// What the moves have to know beside the tree.
+/// Knowledge of the moves beside the tree.
 struct Known {
   std::vector<std::string> kept;  // signals that the check looks at
   Levels levels;
@@ -22,10 +22,10 @@ std::vector<std::string> PartsOf(const Value& root);
 /// that takes what is kept.
 Move WithAll(const std::string& path, const Known& known);
 
-/// What machines and their controls drive takes what they are asked for, without them.
+/// Machines and their controls go: their load takes the torque that they are asked for.
 std::vector<Move> Shortcuts(const Value& root, const Known& known);
 
-/// What a variant connects otherwise is connected so in all of the scenario: the parts that only the others need can go then.
+/// The whole scenario is connected as one of its variants is: the parts that only the others need can go then.
 std::vector<Move> Adoptions(const Value& root);
 
 }  // namespace dynoproof::reduce

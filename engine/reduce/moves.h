@@ -22,7 +22,7 @@ struct Group {
   std::vector<Move> moves;
 };
 
-/// What the inputs of a run amount to, and what is seen at its outputs, on average: "input.fuel" and "part.engine.torque" to a number.
+/// The average of each input of a run, and of each signal that its outputs show: "input.fuel" and "part.engine.torque" to a number.
 using Levels = std::map<std::string, double>;
 Levels LevelsOf(const Value& root, const trace::Trace& trace);
 
@@ -34,7 +34,7 @@ std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& k
 /// Numbers in so many digits, which fits more on a line.
 Group Digits(const Value& root, int digits);
 
-/// What the checks can do without: keys that have a default, items of lists. It changes what they say.
+/// Keys of the checks that have a default, and items of their lists. Without them the checks may say something else.
 Group KeysOfChecks(const Value& root);
 
 /// When the checks look for the last time: their largest instant, with their shortest stretch behind it where they name more than one

@@ -360,7 +360,7 @@ class Reducer {
     }
   }
 
-  /// What lies behind the check's last look goes; a run that is shorter still is sought only where a little less than that shows it.
+  /// Cuts the run behind the check's last look; one that is shorter still is sought only where a little less than that shows it.
   void CutOffBehind(double last_look_s) {
     if (!Lasts(last_look_s)) {
       CutOff();

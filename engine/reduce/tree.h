@@ -1,4 +1,4 @@
-// What the moves do to a tree: marks for what is gone, and tables by their path.
+// The tree that moves change: marks at what is gone, and tables by their path.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ bool IsGone(const Value& value);
 /// Takes out what is marked as gone, and what is empty then.
 void Sweep(Value& value);
 
-/// What stands there goes.
+/// A move that marks the value at a path as gone.
 Move Without(const std::string& path);
 
 /// The body of an end: "I1" of "I1.left".
