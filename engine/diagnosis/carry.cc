@@ -19,7 +19,6 @@ using estimation::ChannelScale;
 using estimation::Estimate;
 using estimation::Fit;
 using estimation::Hypothesis;
-using estimation::Prediction;
 
 /// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's
 /// values of this level, whichever leaves least. Where all are worse than the null itself, it begins there, with an effect that
@@ -59,18 +58,25 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   return here;
 }
 
-/// At one level with columns of another fit, as far as they lead: of the null's those of the effect are new, one run for each of its
-/// numbers.
+/// A descent that keeps its columns takes a point a step, new columns one for each parameter.
+int PointsFor(const Hypothesis& hypothesis) {
+  return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
+}
+
+/// At one level with the null's columns, as far as they lead: new ones cost a run for each number of the effect alone.
 Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                    const VectorXd& from, const std::optional<estimation::KnownColumns>& known) {
-  return AsLoudAs(null, level,
-                  Fit(contestant.hypothesis, levels[level], from,
-                      {.iterations = 10,
-                       .renewals = 2,
-                       .points = policy::kRoughPoints,
-                       .of_excess = policy::kCarriedTo,
-                       .near = true,
-                       .known = known}));
+                    const VectorXd& from, const Conduct& conduct) {
+  const std::optional<VectorXd> saved = conduct.Recall(contestant.Name(), level, from.size());
+  const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+  return AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], saved ? *saved : BestStart(contestant, null, levels, level, from),
+          {.iterations = 10,
+           .renewals = 2,
+           .points = policy::kRoughPoints,
+           .of_excess = policy::kCarriedTo,
+           .near = true,
+           .known = null.Holds(level) ? std::optional(known) : std::nullopt}));
 }
 
 /// With columns of its own.
@@ -123,26 +129,6 @@ void LookBack(Contestant& contestant, const Contestant& null, const Levels& leve
     contestant.levels[before] = std::move(again);
 }
 
-/// The last level before one that a contestant has reached.
-std::optional<std::size_t> ReachedBefore(const Contestant& contestant, std::size_t level) {
-  while (level-- > 0) {
-    if (contestant.Holds(level)) return level;
-  }
-  return std::nullopt;
-}
-
-/// Whether the free run at what a fit has come to leaves no more than the fit did: then it needs no longer memory to go there.
-bool ReachesTheFreeRun(const Contestant& contestant, const Levels& levels, std::size_t level) {
-  const Estimate& fit = contestant.levels[level];
-  const Result<Prediction> there = levels[levels.free_run()].Predict(contestant.hypothesis.At(fit.q));
-  if (!there.ok()) return false;
-  const std::vector<ChannelScale> scales = estimation::ScalesOf(levels.data(), there->innovations, there->noise_alone);
-  const auto power = [](const ChannelScale& one) { return std::pow(one.rms / one.noise_alone, 2); };
-  return std::ranges::equal(scales, fit.scales, [&](const ChannelScale& free, const ChannelScale& here) {
-    return power(free) <= std::max(1.0, power(here)) + policy::kNoiseKnown;
-  });
-}
-
 /// Why nobody follows a contestant beyond a level; empty: it is followed.
 std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t first,
                                 std::size_t level) {
@@ -177,42 +163,28 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
 
 }  // namespace
 
-std::string SteppedOver(const Contestant& contestant, const Levels& levels, std::size_t level) {
-  const std::optional<std::size_t> before = ReachedBefore(contestant, level);
-  if (!levels.IsSteppingStone(level) || !before) return "";
-  if (!IsNearTheNoise(contestant.levels[*before])) return "far from the noise before";
-  return ReachesTheFreeRun(contestant, levels, *before) ? "the free run is reached without" : "";
-}
-
 bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t first, const Conduct& conduct) {
   std::vector<VectorXd> from;
   for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
   std::vector<std::string> left(contestants.size());
   for (std::size_t level = first; level < levels.size(); ++level) {
     if (conduct.spent()) return false;
-    std::vector<std::string> over(contestants.size());
-    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
-      over[i] = left[i].empty() ? SteppedOver(contestants[i], levels, level) : left[i];
-    });
-    const auto follows = [&](std::size_t i) { return over[i].empty(); };
+    // Memories beyond the record's length lead to the exact minimum of the free run: only a model that is near the noise
+    // before has one.
+    const bool between = level > levels.longest() && level < levels.free_run();
+    const std::size_t before = std::min(levels.longest(), level);
+    const auto follows = [&](std::size_t i) {
+      const Contestant& own = contestants[i];
+      return left[i].empty() && !(between && own.Holds(before) && !IsNearTheNoise(own.levels[before]));
+    };
     const Contestant null = contestants.front();
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {
       if (i == 0) return;
       Contestant& own = contestants[i];
-      if (!follows(i)) {
-        own.levels[level].broken = over[i];
-        return;
-      }
-      const std::optional<VectorXd> saved = conduct.Recall(own.Name(), level, from[i].size());
-      const VectorXd start = saved ? *saved : BestStart(own, null, levels, level, from[i]);
-      // Columns of a null that is far from the noise lead a model astray that is near it: its own of the level before are nearer.
-      const std::optional<std::size_t> before = ReachedBefore(own, level);
-      std::optional<estimation::KnownColumns> known;
-      if (level > first && before && IsNearTheNoise(own.levels[*before]))
-        known = {&own.hypothesis, &own.levels[*before]};
-      else if (null.Holds(level))
-        known = {&null.hypothesis, &null.levels[level]};
-      own.levels[level] = FitRoughly(own, null, levels, level, start, known);
+      if (follows(i))
+        own.levels[level] = FitRoughly(own, null, levels, level, from[i], conduct);
+      else
+        own.levels[level].broken = left[i].empty() ? "far from the noise before" : left[i];
     });
     const Contestant* first_of_all = LeaderAt(contestants, levels, level);
     const std::optional<Contestant> ahead = first_of_all != nullptr ? std::optional(*first_of_all) : std::nullopt;
@@ -223,8 +195,7 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       Estimate full = FitFully(contestants[i], null, levels, level, rough.q);
       if (full.ok()) rough = std::move(full);
     });
-    const Contestant* leader = LeaderAt(contestants, levels, level);
-    if (leader != nullptr && !levels.IsSteppingStone(level)) {
+    if (const Contestant* leader = LeaderAt(contestants, levels, level)) {
       ParallelFor(contestants.size(), 0, [&](std::size_t i) {
         Contestant& own = contestants[i];
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);

@@ -94,10 +94,6 @@ VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const 
   return start;
 }
 
-int PointsFor(const Hypothesis& hypothesis) {
-  return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
-}
-
 Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) {
   if (!estimate.ok() || !null.Holds(level)) return estimate;
   for (std::size_t c = 0; c < estimate.scales.size(); ++c) {

@@ -54,10 +54,6 @@ const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels
 Eigen::VectorXd StartFrom(const estimation::Hypothesis& hypothesis, const estimation::Hypothesis& other,
                           const Eigen::VectorXd& q);
 
-/// Points that a fit with columns of its own may look at: a descent that keeps its columns takes one a step, new columns one for
-/// each parameter.
-int PointsFor(const estimation::Hypothesis& hypothesis);
-
 /// A hypothesis whose own loop is louder than the null's may not excuse what it leaves with that. Where the null leaves coloured
 /// noise, noise alone is that.
 estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimation::Estimate estimate);

@@ -269,7 +269,7 @@ class Pipeline {
       if (fit.ok())
         base.numbers.emplace_back(levels_.Name(level), largest);
       else
-        base.outcome += levels_.Name(level) + ": " + fit.broken + "; ";
+        base.outcome += levels_.Name(level) + " breaks: " + fit.broken + "; ";
     }
     JournalEntry looked{"first look",
                         {},

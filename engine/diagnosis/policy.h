@@ -9,9 +9,8 @@ namespace dynoproof::diagnosis::policy {
 inline constexpr std::size_t kMostAlike = 3;
 
 /// Each memory over the one before, and the last one over the record's length: on the heavy-duty line with all nominal values
-/// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth, and
-/// in the frozen case 2802/40 over 24 and 120 s. Beyond the record's length they are asked only where they are needed.
-inline constexpr double kLonger = 5.0, kLongest = 200.0;
+/// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth.
+inline constexpr double kLonger = 5.0, kLongest = 8.0;
 /// The longest memory that counts as corrected [of the record].
 inline constexpr double kMostOfRecord = 1.0 / 3.0;
 /// RMS over what noise alone causes up to which a model counts as exact.

@@ -189,14 +189,11 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   // Three error models: one beats another where it does so at one level at least and is beaten at none.
   settled.level = levels.corrected();
   std::vector<std::optional<Weights>> weights(levels.size());
-  std::vector<std::size_t> asked;
-  for (std::size_t level = contest.first; level < levels.size(); ++level) {
-    if (!levels.IsSteppingStone(level)) asked.push_back(level);
-  }
-  for (const std::size_t level : asked) weights[level].emplace(contest.contestants, levels, level);
+  for (std::size_t level = contest.first; level < levels.size(); ++level)
+    weights[level].emplace(contest.contestants, levels, level);
   const auto beats = [&](std::size_t a, std::size_t b) {
     bool wins = false;
-    for (const std::size_t level : asked) {
+    for (std::size_t level = contest.first; level < levels.size(); ++level) {
       wins = wins || weights[level]->Beats(a, b);
       if (weights[level]->Beats(b, a)) return false;
     }
@@ -224,7 +221,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   std::vector<std::size_t> admitted;
   for (std::size_t i = 1; i < all.size(); ++i) {
     double most = -1e300, worst = 1e300;
-    for (const std::size_t level : asked) {
+    for (std::size_t level = contest.first; level < levels.size(); ++level) {
       if (!all[i].Holds(level) || !all[0].Holds(level)) continue;
       most = std::max(most, ShareAt(contest, levels, i, level));
       worst = std::min(worst, ShareAt(contest, levels, i, level));
@@ -236,7 +233,8 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
         beats(i, 0) && most > policy::kShare && worst > policy::kHarm && close && least_explained >= wanted && names;
     if (in) admitted.push_back(i);
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
-    for (const std::size_t level : asked) numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
+    for (std::size_t level = contest.first; level < levels.size(); ++level)
+      numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
     settled.journal.push_back({"comparison",
                                {all[i].Name(), "nominal model"},
                                "no model is exact, " + contest.pass(),
@@ -302,7 +300,6 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
   // The shortest memory hides what accumulates: it is no level to find nothing at.
   const std::size_t shortest = levels.size() > 1 ? 1 : 0;
   for (std::size_t level = levels.size(); level-- > shortest;) {
-    if (levels.IsSteppingStone(level)) continue;
     for (const Contestant& one : contest.contestants) {
       if (!one.Holds(level) || !IsExact(one.levels[level])) continue;
       if (level == levels.free_run() || IsQuiet(one.levels[level], levels.data())) return level;

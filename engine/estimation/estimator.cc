@@ -109,10 +109,8 @@ class Residual : public ceres::CostFunction {
     return columns.has_value();
   }
 
-  /// d weighted / d q, by differences; nothing where a run breaks. What was found last is kept, for where a descent found
-  /// nothing lower its beginning is asked again.
+  /// d weighted / d q, by differences; nothing where a run breaks.
   std::optional<RowMajor> ColumnsAt(const Point& here, const VectorXd& weighted) const {
-    if (columns_.size() > 0 && columns_at_ == here.q && columns_about_ == about_.q) return columns_;
     const VectorXd upper = hypothesis_.upper();
     RowMajor columns(weighted.size(), here.q.size());
     for (Index i = 0; i < here.q.size(); ++i) {
@@ -130,9 +128,6 @@ class Residual : public ceres::CostFunction {
       columns.col(i) = (Weighted(*there) - weighted) / step;
     }
     last_ = here;
-    columns_ = columns;
-    columns_at_ = here.q;
-    columns_about_ = about_.q;
     return columns;
   }
 
@@ -205,8 +200,6 @@ class Residual : public ceres::CostFunction {
   std::vector<Index> priors_;
   mutable RowMajor kept_;
   mutable VectorXd kept_at_, kept_weighted_;
-  mutable RowMajor columns_;  // found last
-  mutable VectorXd columns_at_, columns_about_;
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -308,13 +301,6 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   // each parameter.
   solver.line_search_interpolation_type = ceres::BISECTION;
   solver.max_num_line_search_step_size_iterations = 3;
-  if (options.near) {
-    // Where columns are kept, a step that fails has a wrong direction: it is halved once, and a radius that shortens a step by 3 %
-    // at first turns the next but one. From Ceres' own radius on the fifth would turn.
-    solver.max_num_line_search_step_size_iterations = 1;
-    solver.initial_trust_region_radius = 30.0;
-    solver.function_tolerance = converged / squares;  // the next columns tell whether there is more
-  }
   solver.max_num_consecutive_invalid_steps = 10;
   Budget budget(residual, most);
   solver.callbacks.push_back(&budget);
