@@ -153,9 +153,9 @@ std::vector<Move> Signals(const Value& root, const Known& known) {
 /// Items of a list of tables of which `fewest` are none to take: of checks one stays.
 std::vector<Move> Items(const Value& root, const std::string& list, std::size_t fewest) {
   std::vector<Move> moves;
-  const Value* items = root.Find(list);
-  if (items == nullptr || !items->is_array() || items->array().size() <= fewest) return moves;
-  for (std::size_t i = 0; i < items->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", list, i)));
+  const Value::Array& items = ListAt(root, list);
+  if (items.size() <= fewest) return moves;
+  for (std::size_t i = 0; i < items.size(); ++i) moves.push_back(Without(fmt::format("{}.{}", list, i)));
   return moves;
 }
 
@@ -182,9 +182,9 @@ std::vector<Move> Stages(const Value& root) {
   }
   for (const Value::Entry& entry : TableAt(root, "input")) {
     const std::string path = "input." + entry.key + ".source.sources";
-    const Value* pieces = root.FindPath(path);
-    if (pieces == nullptr || !pieces->is_array() || pieces->array().size() < 2) continue;
-    for (std::size_t i = 0; i < pieces->array().size(); ++i) moves.push_back(Without(fmt::format("{}.{}", path, i)));
+    const Value::Array& pieces = ListAt(root, path);
+    for (std::size_t i = 0; pieces.size() > 1 && i < pieces.size(); ++i)
+      moves.push_back(Without(fmt::format("{}.{}", path, i)));
   }
   return moves;
 }
@@ -284,10 +284,8 @@ std::vector<Move> Words(const Value& root) {
   for (const std::string& path : paths) {
     if (path != "check" && path != "effect" && IsWord(path)) moves.push_back(Without(path));
   }
-  if (const Value* checks = root.Find("check"); checks != nullptr && checks->is_array()) {
-    for (std::size_t i = 0; i < checks->array().size(); ++i)
-      moves.push_back(FirstWords(fmt::format("check.{}.origin", i)));
-  }
+  for (std::size_t i = 0; i < ListAt(root, "check").size(); ++i)
+    moves.push_back(FirstWords(fmt::format("check.{}.origin", i)));
   return moves;
 }
 
@@ -401,11 +399,10 @@ Group Digits(const Value& root, int digits) {
 
 Group KeysOfChecks(const Value& root) {
   Group group{"keys of checks", {}};
-  const Value* checks = root.Find("check");
-  for (std::size_t i = 0; checks != nullptr && checks->is_array() && i < checks->array().size(); ++i) {
-    if (!checks->array()[i].is_table()) continue;
-    for (const Value::Entry& entry : checks->array()[i].table()) {
-      const std::string path = fmt::format("check.{}.{}", i, entry.key);
+  for (std::size_t i = 0; i < ListAt(root, "check").size(); ++i) {
+    const std::string check = fmt::format("check.{}", i);
+    for (const Value::Entry& entry : TableAt(root, check)) {
+      const std::string path = check + "." + entry.key;
       if (entry.key == "kind" || entry.key == "origin") continue;
       group.moves.push_back(Without(path));
       for (std::size_t k = 0; entry.value.is_array() && k < entry.value.array().size(); ++k)
@@ -417,8 +414,7 @@ Group KeysOfChecks(const Value& root) {
 
 double LastLookOf(const Value& root) {
   double last = 0.0, shortest = std::numeric_limits<double>::infinity();
-  const Value* checks = root.Find("check");
-  for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+  for (const Value& check : ListAt(root, "check")) {
     if (!check.is_table()) continue;
     for (const Value::Entry& entry : check.table()) {
       if (!IsTime(entry.key)) continue;

@@ -15,6 +15,7 @@
 #include "reduce/moves.h"
 #include "reduce/short_form.h"
 #include "reduce/symptom.h"
+#include "reduce/tree.h"
 #include "scenario/load.h"
 
 namespace dynoproof::reduce {
@@ -286,8 +287,7 @@ class Reducer {
     std::vector<std::string> kept;
     // "golden T_shaft": of a trace that signal.
     if (Paired()) kept.push_back(symptom_.check.name.substr(symptom_.check.name.find(' ') + 1));
-    const Value* checks = plan_.root.Find("check");
-    for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
+    for (const Value& check : ListAt(plan_.root, "check")) {
       if (!check.is_table()) continue;
       for (const Value::Entry& entry : check.table()) {
         if (entry.value.is_string()) kept.push_back(entry.value.string());
@@ -298,11 +298,9 @@ class Reducer {
 
   /// The others first: they cost runs of other solvers, and name signals that would have to stay.
   void KeepItsChecks() {
-    const Value* all = plan_.root.Find("check");
-    if (all == nullptr || !all->is_array() || symptom_.check.stated.empty()) return;
+    const Value::Array checks = ListAt(plan_.root, "check");  // a copy: tries change the plan
+    if (checks.size() < 2 || symptom_.check.stated.empty()) return;
     trying_ = "other checks";
-    const Value::Array checks = all->array();
-    if (checks.size() < 2) return;
     const auto of_its_kind = [&](const Value& check) { return check.TextOr("kind") == symptom_.check.stated; };
     const auto only = [](Value::Array kept) {
       return [kept = std::move(kept)](Value& root) {
@@ -362,11 +360,7 @@ class Reducer {
 
   /// Cuts the run behind the check's last look; one that is shorter still is sought only where a little less than that shows it.
   void CutOffBehind(double last_look_s) {
-    if (!Lasts(last_look_s)) {
-      CutOff();
-    } else if (Lasts(Seconds() / kShorter)) {
-      CutOff();
-    }
+    if (!Lasts(last_look_s) || Lasts(Seconds() / kShorter)) CutOff();
   }
 
   /// After other things have gone: only if what was too short before is so no more, or nothing was.

@@ -36,4 +36,10 @@ const Value::Table& TableAt(const Value& root, std::string_view path) {
   return value != nullptr && value->is_table() ? value->table() : none;
 }
 
+const Value::Array& ListAt(const Value& root, std::string_view path) {
+  static const Value::Array none;
+  const Value* value = root.FindPath(path);
+  return value != nullptr && value->is_array() ? value->array() : none;
+}
+
 }  // namespace dynoproof::reduce

@@ -25,4 +25,7 @@ std::string BodyOf(std::string_view end);
 /// The entries of the table there; none where there is no table.
 const Value::Table& TableAt(const Value& root, std::string_view path);
 
+/// The items of the list there; none where there is no list.
+const Value::Array& ListAt(const Value& root, std::string_view path);
+
 }  // namespace dynoproof::reduce
