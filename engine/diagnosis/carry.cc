@@ -19,6 +19,7 @@ using estimation::ChannelScale;
 using estimation::Estimate;
 using estimation::Fit;
 using estimation::Hypothesis;
+using estimation::Prediction;
 
 /// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's
 /// values of this level, whichever leaves least. Where all are worse than the null itself, it begins there, with an effect that
@@ -58,25 +59,18 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   return here;
 }
 
-/// A descent that keeps its columns takes a point a step, new columns one for each parameter.
-int PointsFor(const Hypothesis& hypothesis) {
-  return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
-}
-
-/// At one level with the null's columns, as far as they lead: new ones cost a run for each number of the effect alone.
+/// At one level with columns of another fit, as far as they lead: of the null's those of the effect are new, one run for each of its
+/// numbers.
 Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                    const VectorXd& from, const Conduct& conduct) {
-  const std::optional<VectorXd> saved = conduct.Recall(contestant.Name(), level, from.size());
-  const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
-  return AsLoudAs(
-      null, level,
-      Fit(contestant.hypothesis, levels[level], saved ? *saved : BestStart(contestant, null, levels, level, from),
-          {.iterations = 10,
-           .renewals = 2,
-           .points = policy::kRoughPoints,
-           .of_excess = policy::kCarriedTo,
-           .near = true,
-           .known = null.Holds(level) ? std::optional(known) : std::nullopt}));
+                    const VectorXd& from, const std::optional<estimation::KnownColumns>& known) {
+  return AsLoudAs(null, level,
+                  Fit(contestant.hypothesis, levels[level], from,
+                      {.iterations = 10,
+                       .renewals = 2,
+                       .points = policy::kRoughPoints,
+                       .of_excess = policy::kCarriedTo,
+                       .near = true,
+                       .known = known}));
 }
 
 /// With columns of its own.
@@ -100,9 +94,12 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
              std::size_t level) {
   constexpr double kWorth = 1e-3;  // of the logarithm of the excess
   if (!other.Holds(level)) return;
-  VectorXd from = StartFrom(contestant.hypothesis, other.hypothesis, other.levels[level].q);
-  const auto own = static_cast<Index>(contestant.hypothesis.of_effects());
-  if (contestant.Holds(level)) from.head(own) = contestant.levels[level].q.head(own);
+  // Its own effects keep their numbers where the other model has none of these.
+  VectorXd from = contestant.hypothesis.start();
+  if (contestant.Holds(level))
+    from.head(static_cast<Index>(contestant.hypothesis.of_effects())) =
+        contestant.levels[level].q.head(static_cast<Index>(contestant.hypothesis.of_effects()));
+  from = StartFrom(contestant.hypothesis, other.hypothesis, other.levels[level].q, from);
   // Its own columns do for a few steps; only what ends lower is worth new ones.
   const bool known = contestant.Holds(level);
   const estimation::KnownColumns own_columns{&contestant.hypothesis, known ? &contestant.levels[level] : nullptr};
@@ -127,6 +124,26 @@ void LookBack(Contestant& contestant, const Contestant& null, const Levels& leve
   Estimate again = FitFully(contestant, null, levels, before, contestant.levels[level].q);
   if (again.ok() && LogExcess(again.scales, levels.data()) < LogExcess(contestant.levels[before].scales, levels.data()))
     contestant.levels[before] = std::move(again);
+}
+
+/// The last level before one that a contestant has reached.
+std::optional<std::size_t> ReachedBefore(const Contestant& contestant, std::size_t level) {
+  while (level-- > 0) {
+    if (contestant.Holds(level)) return level;
+  }
+  return std::nullopt;
+}
+
+/// Whether the free run at what a fit has come to leaves no more than the fit did: then it needs no longer memory to go there.
+bool ReachesTheFreeRun(const Contestant& contestant, const Levels& levels, std::size_t level) {
+  const Estimate& fit = contestant.levels[level];
+  const Result<Prediction> there = levels[levels.free_run()].Predict(contestant.hypothesis.At(fit.q));
+  if (!there.ok()) return false;
+  const std::vector<ChannelScale> scales = estimation::ScalesOf(levels.data(), there->innovations, there->noise_alone);
+  const auto power = [](const ChannelScale& one) { return std::pow(one.rms / one.noise_alone, 2); };
+  return std::ranges::equal(scales, fit.scales, [&](const ChannelScale& free, const ChannelScale& here) {
+    return power(free) <= std::max(1.0, power(here)) + policy::kNoiseKnown;
+  });
 }
 
 /// Why nobody follows a contestant beyond a level; empty: it is followed.
@@ -163,28 +180,42 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
 
 }  // namespace
 
+std::string SteppedOver(const Contestant& contestant, const Levels& levels, std::size_t level) {
+  const std::optional<std::size_t> before = ReachedBefore(contestant, level);
+  if (!levels.IsSteppingStone(level) || !before) return "";
+  if (!IsNearTheNoise(contestant.levels[*before])) return "far from the noise before";
+  return ReachesTheFreeRun(contestant, levels, *before) ? "the free run is reached without" : "";
+}
+
 bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t first, const Conduct& conduct) {
   std::vector<VectorXd> from;
   for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
   std::vector<std::string> left(contestants.size());
   for (std::size_t level = first; level < levels.size(); ++level) {
     if (conduct.spent()) return false;
-    // Memories beyond the record's length lead to the exact minimum of the free run: only a model that is near the noise
-    // before has one.
-    const bool between = level > levels.longest() && level < levels.free_run();
-    const std::size_t before = std::min(levels.longest(), level);
-    const auto follows = [&](std::size_t i) {
-      const Contestant& own = contestants[i];
-      return left[i].empty() && !(between && own.Holds(before) && !IsNearTheNoise(own.levels[before]));
-    };
+    std::vector<std::string> over(contestants.size());
+    ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+      over[i] = left[i].empty() ? SteppedOver(contestants[i], levels, level) : left[i];
+    });
+    const auto follows = [&](std::size_t i) { return over[i].empty(); };
     const Contestant null = contestants.front();
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {
       if (i == 0) return;
       Contestant& own = contestants[i];
-      if (follows(i))
-        own.levels[level] = FitRoughly(own, null, levels, level, from[i], conduct);
-      else
-        own.levels[level].broken = left[i].empty() ? "far from the noise before" : left[i];
+      if (!follows(i)) {
+        own.levels[level].broken = over[i];
+        return;
+      }
+      const std::optional<VectorXd> saved = conduct.Recall(own.Name(), level, from[i].size());
+      const VectorXd start = saved ? *saved : BestStart(own, null, levels, level, from[i]);
+      // Columns of a null that is far from the noise lead a model astray that is near it: its own of the level before are nearer.
+      const std::optional<std::size_t> before = ReachedBefore(own, level);
+      std::optional<estimation::KnownColumns> known;
+      if (level > first && before && IsNearTheNoise(own.levels[*before]))
+        known = {&own.hypothesis, &own.levels[*before]};
+      else if (null.Holds(level))
+        known = {&null.hypothesis, &null.levels[level]};
+      own.levels[level] = FitRoughly(own, null, levels, level, start, known);
     });
     const Contestant* first_of_all = LeaderAt(contestants, levels, level);
     const std::optional<Contestant> ahead = first_of_all != nullptr ? std::optional(*first_of_all) : std::nullopt;
@@ -195,7 +226,8 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       Estimate full = FitFully(contestants[i], null, levels, level, rough.q);
       if (full.ok()) rough = std::move(full);
     });
-    if (const Contestant* leader = LeaderAt(contestants, levels, level)) {
+    const Contestant* leader = LeaderAt(contestants, levels, level);
+    if (leader != nullptr && !levels.IsSteppingStone(level)) {
       ParallelFor(contestants.size(), 0, [&](std::size_t i) {
         Contestant& own = contestants[i];
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);

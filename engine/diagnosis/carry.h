@@ -2,13 +2,18 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "diagnosis/conduct.h"
 #include "diagnosis/contestant.h"
 
 namespace dynoproof::diagnosis {
 
-/// `contestants`: the null first, which is fitted at every level already; each of the others holds at `first` or at the next
+/// Why a model is not fitted at a level that only leads to the exact minimum of the free run: it is far from the noise before, and
+/// has no such minimum, or there already. Empty: it is fitted.
+std::string SteppedOver(const Contestant& contestant, const Levels& levels, std::size_t level);
+
+/// `contestants`: the null first, which is fitted at all levels already; each of the others holds at `first` or at the next
 /// level. At each level all are fitted once more from the values of the one that leaves least, the null too. Nobody is
 /// followed further who removes next to nothing where another removes most, or whom a model beats that leaves nothing but
 /// noise. False where the conduct has ended it before the free run.

@@ -12,7 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 using estimation::Hypothesis;
-using estimation::Predictor;
 
 /// A law is carried with the plainer one that it refines at its place, from the same values: of the two the plainer one is
 /// named where it does. Both stand among the first, of which there are as many as is told.
@@ -58,11 +57,19 @@ Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels,
 
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
   Contestant null(NullHypothesis(plan, released, levels, registry));
-  std::vector<const Predictor*> order;
-  for (std::size_t level = 0; level < levels.size(); ++level) order.push_back(&levels[level]);
   // From near by: let go, a model that lacks its effect has no truth to go to, and what it finds first is nearer to the plan as
   // given than what a thorough search would find.
-  null.levels = estimation::FitThrough(null.hypothesis, order, null.hypothesis.start(), {.renewals = 6, .near = true});
+  const estimation::EstimatorOptions how{.renewals = 6, .points = PointsFor(null.hypothesis), .near = true};
+  VectorXd from = null.hypothesis.start();
+  null.levels.resize(levels.size());
+  for (estimation::Estimate& fit : null.levels) fit.broken = "not fitted";
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    estimation::Estimate& fit = null.levels[level];
+    fit.broken = SteppedOver(null, levels, level);
+    if (!fit.ok()) continue;
+    fit = estimation::Fit(null.hypothesis, levels[level], from, how);
+    if (fit.ok()) from = fit.q;
+  }
   return null;
 }
 

@@ -85,13 +85,20 @@ const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels
 }
 
 VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q) {
-  VectorXd start = hypothesis.start();
+  return StartFrom(hypothesis, other, q, hypothesis.start());
+}
+
+VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q, VectorXd start) {
   for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
     const auto same =
         std::ranges::find(other.parameters(), hypothesis.parameters()[i].name, &estimation::Parameter::name);
     if (same != other.parameters().end()) start[static_cast<Index>(i)] = q[same - other.parameters().begin()];
   }
   return start;
+}
+
+int PointsFor(const Hypothesis& hypothesis) {
+  return policy::kSteps + policy::kColumns * (1 + static_cast<int>(hypothesis.parameters().size()));
 }
 
 Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) {

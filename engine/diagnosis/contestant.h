@@ -53,6 +53,13 @@ const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels
 /// the hypothesis starts.
 Eigen::VectorXd StartFrom(const estimation::Hypothesis& hypothesis, const estimation::Hypothesis& other,
                           const Eigen::VectorXd& q);
+/// The rest as in `start`.
+Eigen::VectorXd StartFrom(const estimation::Hypothesis& hypothesis, const estimation::Hypothesis& other,
+                          const Eigen::VectorXd& q, Eigen::VectorXd start);
+
+/// Points that a fit with columns of its own may look at: a descent that keeps its columns takes one a step, new columns one for
+/// each parameter.
+int PointsFor(const estimation::Hypothesis& hypothesis);
 
 /// A hypothesis whose own loop is louder than the null's may not excuse what it leaves with that. Where the null leaves coloured
 /// noise, noise alone is that.

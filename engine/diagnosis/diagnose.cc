@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "diagnosis/changed_numbers.h"
 #include "diagnosis/contest.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/detection.h"
@@ -140,6 +141,7 @@ class Pipeline {
       // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
       Contestant null = NullOf(begun_, true, levels_, registry);
       released_ = null;
+      if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return Report(*numbers);
       Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
       if (released.ok() && released->contest.complete) {
         if (!released->settled.exact)
@@ -189,6 +191,39 @@ class Pipeline {
     }
     Enter(*contest, settled, stage);
     return Answer{*std::move(contest), std::move(settled)};
+  }
+
+  /// The answer where the model's own numbers, let go together, leave nothing but noise: which of them are wrong.
+  std::optional<Answer> SeveralNumbers(const Contest& under_priors, const Contestant& released) {
+    if (!under_priors.complete) return {};
+    const Contestant& null = under_priors.null();
+    std::optional<Contestant> exact = ByNumbersAlone(null, released, levels_);
+    if (!exact) return {};
+    const auto far = FarFromPriors(*exact, null, levels_);
+    JournalEntry entry{"numbers", {"nominal model"}, "let go together they leave nothing but noise", far, ""};
+    if (far.empty()) return {};
+    Contest contest = CompeteByChanges(under_priors, *exact, levels_, magnitudes_, problem_.registry(), kMostCauses);
+    Settled settled;
+    if (contest.contestants.size() > 1) {
+      const std::vector<HeldOut> held = HeldOutOf(contest, *parts_.held_out, given_, !holdout_.empty());
+      settled = Settle(contest, levels_, held, LeastOf({held}, levels_.size()));
+    } else {
+      std::vector<std::string> names;
+      for (const auto& [path, off] : far) names.push_back(path);
+      settled.reason =
+          fmt::format("no effect is needed: nominal values far from their priors leave nothing but noise ({})",
+                      fmt::join(names, ", "));
+      settled.rule = "the model's own numbers, let go together";
+      settled.level = levels_.free_run();
+      settled.exact = true;
+      contest.released = true;
+      contest.contestants = {*std::move(exact)};
+    }
+    entry.outcome =
+        settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name();
+    result_.journal.push_back(std::move(entry));
+    Enter(contest, settled, "numbers let go together");
+    return Answer{std::move(contest), std::move(settled)};
   }
 
   /// The answer where records may begin otherwise than the plan by what no first sample shows: asked where a cause leaves nothing but
@@ -253,10 +288,24 @@ class Pipeline {
       if (!base || Spent()) break;
       const Contestant& null = contest.contestants[*base];
       Result<Answer> next = Ask(null, contest.released, "with " + null.Name());
-      if (!next.ok() || !Adds(answer, *next)) break;
+      if (!next.ok()) break;
+      if (!Adds(answer, *next)) {
+        FoundLater(next->contest, *base, answer);
+        break;
+      }
       answer = *std::move(next);
     }
     return answer;
+  }
+
+  /// A contest on top of a model may have found its minimum only now, from the values of one with an effect more, which adds nothing then.
+  void FoundLater(const Contest& later, std::size_t model, Answer& answer) {
+    const std::size_t level = levels_.free_run();
+    if (!later.null().Holds(level) || !IsExact(later.null().levels[level])) return;
+    answer.contest.contestants[model].levels = later.null().levels;
+    const std::vector<HeldOut> held = HeldOutOf(answer.contest, *parts_.held_out, given_, !holdout_.empty());
+    answer.settled = Settle(answer.contest, levels_, held, LeastOf({held}, levels_.size()));
+    Enter(answer.contest, answer.settled, "with what was found later");
   }
 
   void Enter(const Contest& contest, const Settled& settled, const std::string& stage) {
@@ -269,7 +318,7 @@ class Pipeline {
       if (fit.ok())
         base.numbers.emplace_back(levels_.Name(level), largest);
       else
-        base.outcome += levels_.Name(level) + " breaks: " + fit.broken + "; ";
+        base.outcome += levels_.Name(level) + ": " + fit.broken + "; ";
     }
     JournalEntry looked{"first look",
                         {},

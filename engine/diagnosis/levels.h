@@ -32,6 +32,8 @@ class Levels {
   std::size_t corrected() const { return corrected_; }
   /// The longest memory that is well below the record's length, or the first.
   std::size_t longest() const { return longest_; }
+  /// Whether a level only leads on to the free run: its memory is longer than that, and no verdict is given there.
+  bool IsSteppingStone(std::size_t level) const { return level > longest_ && level < free_run(); }
   /// The free run from where the records begin, though it is compared later; null where the last level is that itself, or no
   /// free run. Which of the two suits a model depends on whether it knows the start better, or an output accumulates.
   const estimation::Predictor* from_the_start() const { return from_the_start_.get(); }

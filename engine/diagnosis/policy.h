@@ -9,8 +9,9 @@ namespace dynoproof::diagnosis::policy {
 inline constexpr std::size_t kMostAlike = 3;
 
 /// Each memory over the one before, and the last one over the record's length: on the heavy-duty line with all nominal values
-/// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth.
-inline constexpr double kLonger = 5.0, kLongest = 8.0;
+/// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth, and
+/// in the frozen case 2802/40 over 24 and 120 s. Beyond the record's length they are asked only where they are needed.
+inline constexpr double kLonger = 5.0, kLongest = 200.0;
 /// The longest memory that counts as corrected [of the record].
 inline constexpr double kMostOfRecord = 1.0 / 3.0;
 /// RMS over what noise alone causes up to which a model counts as exact.
@@ -40,6 +41,12 @@ inline constexpr int kSteps = 60, kColumns = 3;
 inline constexpr int kRoughPoints = 30;
 /// Noise that a level makes of a record's, over that, up to which a model that is exact there may rule out others.
 inline constexpr double kQuiet = 1.5;
+/// Share of the excess under the priors that nominal values remove which are let go, from which on a thorough search asks whether they
+/// remove all: two and three inertias a tenth off removed 92 and 99 %. And its steps, with columns of their own each: those took 31.
+inline constexpr double kNumbersAlone = 0.8;
+inline constexpr int kThoroughSteps = 40;
+/// Numbers far from their priors of which up to three are looked for that are wrong: of eight, 92 sets.
+inline constexpr std::size_t kMostChanges = 8;
 /// Power beyond the noise over the least of all at a level, from which on a fit is left as other models' columns gave it: models
 /// within twice the least may be a cause.
 inline constexpr double kFarBehind = 3.0;

@@ -48,17 +48,30 @@ double OffNominal(const Contestant& one, std::size_t level) {
   return sum;
 }
 
+/// Whether a contestant's law has more numbers than another one's at the same place, which it becomes with some of them at nothing.
+bool Refines(const Contestant& refined, const Contestant& plain) {
+  return refined.place() == plain.place() && refined.effect().info().traits.refines == plain.effect().info().name;
+}
+
 /// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.
 template <class Beats>
 void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, const Beats& beats) {
   const auto& all = contest.contestants;
   std::erase_if(standing, [&](std::size_t refined) {
     return std::ranges::any_of(standing, [&](std::size_t plain) {
-      const EffectTraits& traits = all[refined].effect().info().traits;
-      const bool same = plain != refined && all[plain].place() == all[refined].place();
-      return same && traits.refines == all[plain].effect().info().name && !beats(refined, plain);
+      return plain != refined && Refines(all[refined], all[plain]) && !beats(refined, plain);
     });
   });
+}
+
+/// The power that a model leaves more than another one, of the noise's, in the channel where that is most.
+double LeavesMore(const Estimate& fit, const Estimate& other) {
+  double most = 0.0;
+  for (std::size_t c = 0; c < fit.scales.size(); ++c) {
+    const double more = std::pow(fit.scales[c].rms, 2) - std::pow(other.scales[c].rms, 2);
+    most = std::max(most, more / std::pow(fit.scales[c].noise_alone, 2));
+  }
+  return most;
 }
 
 /// The log excess of the plan as given or of the null, whichever is better, over that of the former.
@@ -91,8 +104,9 @@ std::string Listed(const Contest& contest, const std::vector<std::size_t>& which
   return text;
 }
 
-JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights& weights, std::size_t level,
-                     std::size_t i) {
+template <class Beats>
+JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights& weights, const Beats& beats,
+                     std::size_t level, std::size_t i) {
   JournalEntry entry{"comparison",
                      {contest.contestants[i].Name(), "nominal model"},
                      levels.Name(level) + (contest.released ? ", nominal values released" : ", under priors"),
@@ -109,11 +123,9 @@ JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights
   }
   std::string rivals;
   for (std::size_t k = 1; k < contest.contestants.size(); ++k) {
-    if (k != i && weights.Beats(k, i)) rivals += (rivals.empty() ? "" : ", ") + contest.contestants[k].Name();
+    if (k != i && beats(k, i)) rivals += (rivals.empty() ? "" : ", ") + contest.contestants[k].Name();
   }
-  entry.outcome = !weights.Beats(i, 0) ? "does not beat the nominal model"
-                  : rivals.empty()     ? "stands"
-                                       : "beaten by " + rivals;
+  entry.outcome = !beats(i, 0) ? "does not beat the nominal model" : rivals.empty() ? "stands" : "beaten by " + rivals;
   return entry;
 }
 
@@ -125,15 +137,22 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   settled.exact = true;
   settled.level = level;
   const Weights weights(contest.contestants, levels, level);
+  // What is left holds a part that no model makes, such as the course of an input between its samples. A refined law follows some of
+  // that with its further numbers: what it removes has to be more than is known of the noise.
+  const auto beats = [&](std::size_t a, std::size_t b) {
+    if (!weights.Beats(a, b)) return false;
+    return !(a > 0 && b > 0 && Refines(all[a], all[b])) ||
+           LeavesMore(all[b].levels[level], all[a].levels[level]) > policy::kNoiseKnown;
+  };
   std::vector<std::size_t> standing, only_here;  // the latter: on these data, not on those that took no part
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (!all[i].Holds(level)) continue;
     const std::optional<double> elsewhere = HeldOutShare(held_out, i, level);
-    settled.journal.push_back(EntryOf(contest, levels, weights, level, i));
+    settled.journal.push_back(EntryOf(contest, levels, weights, beats, level, i));
     if (elsewhere) settled.journal.back().numbers.emplace_back("held_out_share", *elsewhere);
-    bool stands = weights.Beats(i, 0) && ShareAt(contest, levels, i, level) >= policy::kShare &&
+    bool stands = beats(i, 0) && ShareAt(contest, levels, i, level) >= policy::kShare &&
                   IsExact(all[i].levels[level]) && NamesSomething(all[i], level);
-    for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && weights.Beats(k, i));
+    for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && beats(k, i));
     if (stands)
       (HoldsElsewhere(held_out, i, level, ShareAt(contest, levels, i, level)) ? standing : only_here).push_back(i);
   }
@@ -144,12 +163,12 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   std::vector<std::size_t> implausible;
   for (const std::size_t i : standing) {
     if (std::ranges::any_of(standing, [&](std::size_t k) {
-          return OffNominal(all[i], level) - OffNominal(all[k], level) >= policy::kImplausible && !weights.Beats(i, k);
+          return OffNominal(all[i], level) - OffNominal(all[k], level) >= policy::kImplausible && !beats(i, k);
         }))
       implausible.push_back(i);
   }
   std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });
-  KeepPlainer(contest, standing, [&](std::size_t a, std::size_t b) { return weights.Beats(a, b); });
+  KeepPlainer(contest, standing, beats);
   std::ranges::stable_sort(standing, by_share);
   std::ranges::stable_sort(only_here, by_share);
   settled.rule = "a model leaves nothing but noise (" + levels.Name(level) + ", " + contest.pass() + ")";
@@ -189,11 +208,14 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   // Three error models: one beats another where it does so at one level at least and is beaten at none.
   settled.level = levels.corrected();
   std::vector<std::optional<Weights>> weights(levels.size());
-  for (std::size_t level = contest.first; level < levels.size(); ++level)
-    weights[level].emplace(contest.contestants, levels, level);
+  std::vector<std::size_t> asked;
+  for (std::size_t level = contest.first; level < levels.size(); ++level) {
+    if (!levels.IsSteppingStone(level)) asked.push_back(level);
+  }
+  for (const std::size_t level : asked) weights[level].emplace(contest.contestants, levels, level);
   const auto beats = [&](std::size_t a, std::size_t b) {
     bool wins = false;
-    for (std::size_t level = contest.first; level < levels.size(); ++level) {
+    for (const std::size_t level : asked) {
       wins = wins || weights[level]->Beats(a, b);
       if (weights[level]->Beats(b, a)) return false;
     }
@@ -221,7 +243,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   std::vector<std::size_t> admitted;
   for (std::size_t i = 1; i < all.size(); ++i) {
     double most = -1e300, worst = 1e300;
-    for (std::size_t level = contest.first; level < levels.size(); ++level) {
+    for (const std::size_t level : asked) {
       if (!all[i].Holds(level) || !all[0].Holds(level)) continue;
       most = std::max(most, ShareAt(contest, levels, i, level));
       worst = std::min(worst, ShareAt(contest, levels, i, level));
@@ -233,8 +255,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
         beats(i, 0) && most > policy::kShare && worst > policy::kHarm && close && least_explained >= wanted && names;
     if (in) admitted.push_back(i);
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
-    for (std::size_t level = contest.first; level < levels.size(); ++level)
-      numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
+    for (const std::size_t level : asked) numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
     settled.journal.push_back({"comparison",
                                {all[i].Name(), "nominal model"},
                                "no model is exact, " + contest.pass(),
@@ -300,6 +321,7 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
   // The shortest memory hides what accumulates: it is no level to find nothing at.
   const std::size_t shortest = levels.size() > 1 ? 1 : 0;
   for (std::size_t level = levels.size(); level-- > shortest;) {
+    if (levels.IsSteppingStone(level)) continue;
     for (const Contestant& one : contest.contestants) {
       if (!one.Holds(level) || !IsExact(one.levels[level])) continue;
       if (level == levels.free_run() || IsQuiet(one.levels[level], levels.data())) return level;

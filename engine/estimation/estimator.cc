@@ -109,8 +109,10 @@ class Residual : public ceres::CostFunction {
     return columns.has_value();
   }
 
-  /// d weighted / d q, by differences; nothing where a run breaks.
+  /// d weighted / d q, by differences; nothing where a run breaks. What was found last is kept, for where a descent found
+  /// nothing lower its beginning is asked again.
   std::optional<RowMajor> ColumnsAt(const Point& here, const VectorXd& weighted) const {
+    if (columns_.size() > 0 && columns_at_ == here.q && columns_about_ == about_.q) return columns_;
     const VectorXd upper = hypothesis_.upper();
     RowMajor columns(weighted.size(), here.q.size());
     for (Index i = 0; i < here.q.size(); ++i) {
@@ -128,6 +130,9 @@ class Residual : public ceres::CostFunction {
       columns.col(i) = (Weighted(*there) - weighted) / step;
     }
     last_ = here;
+    columns_ = columns;
+    columns_at_ = here.q;
+    columns_about_ = about_.q;
     return columns;
   }
 
@@ -137,6 +142,8 @@ class Residual : public ceres::CostFunction {
     kept_at_ = std::move(q);
     kept_weighted_ = std::move(weighted);
   }
+
+  bool keeps_columns() const { return kept_.size() > 0; }
 
   /// The part of Q about this point that noise alone does not cause.
   double Excess() const {
@@ -200,6 +207,8 @@ class Residual : public ceres::CostFunction {
   std::vector<Index> priors_;
   mutable RowMajor kept_;
   mutable VectorXd kept_at_, kept_weighted_;
+  mutable RowMajor columns_;  // found last
+  mutable VectorXd columns_at_, columns_about_;
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -261,17 +270,24 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
   return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
 }
 
-/// Ends a descent where it has looked at as many points as it may.
-class Budget : public ceres::IterationCallback {
+/// Ends a descent where it has looked at as many points as it may, or where its kept columns no longer lead: Broyden's update changes
+/// them along the last step alone, so that in a curved valley each step gains a part of what it promised, and the radius stays small.
+class DescentEnd : public ceres::IterationCallback {
  public:
-  Budget(const Residual& residual, std::int64_t most) : residual_(residual), most_(most) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return residual_.points() < most_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  DescentEnd(const Residual& residual, std::int64_t most) : residual_(residual), most_(most) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    const bool poor = step.iteration > 0 && residual_.keeps_columns() && step.relative_decrease < kPoor;
+    poor_ = poor ? poor_ + 1 : 0;
+    const bool ended = residual_.points() >= most_ || poor_ == kPoorSteps;
+    return ended ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
+  static constexpr double kPoor = 0.5;  // of what a step promised: Ceres leaves the radius as it is at half
+  static constexpr int kPoorSteps = 3;  // one after the other
   const Residual& residual_;
   std::int64_t most_;
+  int poor_ = 0;
 };
 
 /// Levenberg-Marquardt within the bounds. Says why it failed; empty: it did not.
@@ -301,9 +317,16 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   // each parameter.
   solver.line_search_interpolation_type = ceres::BISECTION;
   solver.max_num_line_search_step_size_iterations = 3;
+  if (options.near) {
+    // Where columns are kept, a step that fails has a wrong direction: it is halved once, and a radius that shortens a step by 3 %
+    // at first turns the next but one. From Ceres' own radius on the fifth would turn.
+    solver.max_num_line_search_step_size_iterations = 1;
+    solver.initial_trust_region_radius = 30.0;
+    solver.function_tolerance = converged / squares;  // the next columns tell whether there is more
+  }
   solver.max_num_consecutive_invalid_steps = 10;
-  Budget budget(residual, most);
-  solver.callbacks.push_back(&budget);
+  DescentEnd end(residual, most);
+  solver.callbacks.push_back(&end);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   estimate.iterations += static_cast<int>(summary.iterations.size());

@@ -21,7 +21,7 @@ TEST(SlowSecondLook, GoesOnFromAHalfOfThePairAndNotFromWhatRemovesMostAlone) {
   const Plan plan = Scenario("scenarios/diagnose/fuel_gas.toml", {"run.duration_s=10"});
   // A pressure that is limited, read by a sensor that is off: alone, a bent characteristic of the input stands for both.
   const Plan truth = WithEffect(WithEffect(plan, "actuator_saturation", "input:p_mem", {509e3}), "sensor_offset",
-                                "output:p_g", {-7000.0});
+                                "output:p_g", {-10000.0});
   const MappedRecord record = RecordOf(truth, 0.014, {"p_g"});
   const auto levels = Levels::Of(plan, {record}, testing::BuiltIns(), 0.0, 10'000);
   ASSERT_TRUE(levels.ok()) << levels.failure().ToString();

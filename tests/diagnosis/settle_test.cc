@@ -104,6 +104,18 @@ TEST_F(SettleTest, OneModelThatLeavesNothingButNoiseIsFound) {
   EXPECT_EQ(settled.level, levels_->free_run());
 }
 
+/// What a refined law removes beside its plainer one has to be more than is known of the noise, however surely it does so.
+TEST_F(SettleTest, ARefinedLawDoesNotBeatItsPlainerOneByAHundredthOfTheNoise) {
+  const auto found = [&](double course) {
+    return SettledOf(
+        {{"coulomb_friction", "inertia:I5", course, 0.0, 0.02}, {"stribeck_friction", "inertia:I5", 0.0, 0.0, 0.02}});
+  };
+  const double of_noise = kNoise / kCourse;  // as share of the course
+  const Settled plain = found(0.1 * of_noise), refined = found(0.3 * of_noise);
+  EXPECT_EQ(plain.causes, std::vector<std::size_t>{1}) << plain.reason;
+  EXPECT_EQ(refined.causes, std::vector<std::size_t>{2}) << refined.reason;
+}
+
 TEST_F(SettleTest, ANullThatLeavesNothingButNoiseHasNoCause) {
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.0, 0.001, 1.0}, kFar}, 0.0);
   EXPECT_EQ(settled.verdict, Conclusion::kNoEffect) << settled.reason;
