@@ -20,6 +20,13 @@ struct Change {
   double relative;  // value over nominal - 1
 };
 
+/// Whether nothing shows beside the noise. Several numbers follow much that is not theirs: an exact model of them alone may leave no fifth
+/// of its power more, as others may.
+bool LeavesNothing(const Contestant& one, const Levels& levels) {
+  const std::size_t level = levels.free_run();
+  return one.Holds(level) && IsExact(one.levels[level]) && !HasExcess(one.levels[level], levels.data());
+}
+
 /// The value of a number in a fitted model.
 double ValueIn(const Contestant& one, const std::string& path, std::size_t level) {
   const auto& parameters = one.hypothesis.parameters();
@@ -68,7 +75,7 @@ Contestant WithChanges(const std::vector<Change>& changes, std::uint64_t chosen,
 
 std::optional<Contestant> ByNumbersAlone(const Contestant& null, const Contestant& released, const Levels& levels) {
   const std::size_t level = levels.free_run();
-  if (released.Holds(level) && IsExact(released.levels[level])) return released;
+  if (LeavesNothing(released, levels)) return released;
   double share = 0.0;
   for (std::size_t at = 0; at < levels.size(); ++at) {
     if (null.Holds(at) && released.Holds(at)) share = std::max(share, ShareOf(released, null, levels, at));
@@ -85,7 +92,7 @@ std::optional<Contestant> ByNumbersAlone(const Contestant& null, const Contestan
     if (!fit.ok() || !IsNearTheNoise(fit)) return std::nullopt;
     from = fit.q;
   }
-  return IsExact(one.levels[level]) ? std::optional(std::move(one)) : std::nullopt;
+  return LeavesNothing(one, levels) ? std::optional(std::move(one)) : std::nullopt;
 }
 
 std::vector<std::pair<std::string, double>> FarFromPriors(const Contestant& exact, const Contestant& null,
@@ -118,8 +125,7 @@ Contest CompeteByChanges(const Contest& under_priors, const Contestant& exact, c
       fitted[i] = WithChanges(changes, sets[i], exact, under_priors.null(), levels, magnitudes);
     });
     for (std::optional<Contestant>& one : fitted) {
-      if (one->Holds(levels.free_run()) && IsExact(one->levels[levels.free_run()]))
-        contest.contestants.push_back(*std::move(one));
+      if (LeavesNothing(*one, levels)) contest.contestants.push_back(*std::move(one));
     }
   }
   return contest;

@@ -144,6 +144,10 @@ class Pipeline {
       if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return Report(*numbers);
       Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
       if (released.ok() && released->contest.complete) {
+        if (released->settled.verdict == Conclusion::kNoEffect) {
+          const auto far = FarFromPriors(released->contest.null(), answer->contest.null(), levels_);
+          if (!far.empty()) TellNumbers(far, released->settled);
+        }
         if (!released->settled.exact)
           answer->settled = Settle(answer->contest, levels_, passes_[0], LeastOf(passes_, levels_.size()));
         if (released->settled.exact || answer->settled.causes.empty())
@@ -200,7 +204,6 @@ class Pipeline {
     std::optional<Contestant> exact = ByNumbersAlone(null, released, levels_);
     if (!exact) return {};
     const auto far = FarFromPriors(*exact, null, levels_);
-    JournalEntry entry{"numbers", {"nominal model"}, "let go together they leave nothing but noise", far, ""};
     if (far.empty()) return {};
     Contest contest = CompeteByChanges(under_priors, *exact, levels_, magnitudes_, problem_.registry(), kMostCauses);
     Settled settled;
@@ -208,22 +211,30 @@ class Pipeline {
       const std::vector<HeldOut> held = HeldOutOf(contest, *parts_.held_out, given_, !holdout_.empty());
       settled = Settle(contest, levels_, held, LeastOf({held}, levels_.size()));
     } else {
-      std::vector<std::string> names;
-      for (const auto& [path, off] : far) names.push_back(path);
-      settled.reason =
-          fmt::format("no effect is needed: nominal values far from their priors leave nothing but noise ({})",
-                      fmt::join(names, ", "));
       settled.rule = "the model's own numbers, let go together";
       settled.level = levels_.free_run();
       settled.exact = true;
+      TellNumbers(far, settled);
       contest.released = true;
       contest.contestants = {*std::move(exact)};
     }
-    entry.outcome =
-        settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name();
-    result_.journal.push_back(std::move(entry));
+    result_.journal.push_back(
+        {"numbers",
+         {"nominal model"},
+         "let go together they leave nothing but noise",
+         far,
+         settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name()});
     Enter(contest, settled, "numbers let go together");
     return Answer{std::move(contest), std::move(settled)};
+  }
+
+  /// A model that leaves nothing but noise by numbers that its priors rule out is not right as it is, and lacks no effect.
+  static void TellNumbers(const std::vector<std::pair<std::string, double>>& far, Settled& settled) {
+    std::vector<std::string> names;
+    for (const auto& [path, off] : far) names.push_back(path);
+    settled.verdict = Conclusion::kUnexplained;
+    settled.reason =
+        fmt::format("nominal values alone, far from their priors, leave nothing but noise: {}", fmt::join(names, ", "));
   }
 
   /// The answer where records may begin otherwise than the plan by what no first sample shows: asked where a cause leaves nothing but
