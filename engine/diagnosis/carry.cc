@@ -116,6 +116,24 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
 
+/// The last level before one that a contestant has reached.
+std::optional<std::size_t> ReachedBefore(const Contestant& contestant, std::size_t level) {
+  while (level-- > 0) {
+    if (contestant.Holds(level)) return level;
+  }
+  return std::nullopt;
+}
+
+/// Fits the null from the level before, where it has come to a better minimum than the one from which it was led on; kept where lower.
+void GoOn(Contestant& null, const Levels& levels, std::size_t level) {
+  const std::optional<std::size_t> before = ReachedBefore(null, level);
+  if (!before) return;
+  Estimate again = FitFully(null, null, levels, level, null.levels[*before].q);
+  const auto excess = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
+  if (again.ok() && (!null.Holds(level) || excess(again) < excess(null.levels[level])))
+    null.levels[level] = std::move(again);
+}
+
 /// Fits the level before once more from the values of this one, where it ended above the null and that ends lower.
 void LookBack(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
   const std::size_t before = level - 1;
@@ -124,14 +142,6 @@ void LookBack(Contestant& contestant, const Contestant& null, const Levels& leve
   Estimate again = FitFully(contestant, null, levels, before, contestant.levels[level].q);
   if (again.ok() && LogExcess(again.scales, levels.data()) < LogExcess(contestant.levels[before].scales, levels.data()))
     contestant.levels[before] = std::move(again);
-}
-
-/// The last level before one that a contestant has reached.
-std::optional<std::size_t> ReachedBefore(const Contestant& contestant, std::size_t level) {
-  while (level-- > 0) {
-    if (contestant.Holds(level)) return level;
-  }
-  return std::nullopt;
 }
 
 /// Whether the free run at what a fit has come to leaves no more than the fit did: then it needs no longer memory to go there.
@@ -191,6 +201,7 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
   std::vector<VectorXd> from;
   for (const Contestant& one : contestants) from.push_back(one.levels[one.Holds(first) ? first : first + 1].q);
   std::vector<std::string> left(contestants.size());
+  bool null_found = false;  // a minimum near the noise, by another's values
   for (std::size_t level = first; level < levels.size(); ++level) {
     if (conduct.spent()) return false;
     std::vector<std::string> over(contestants.size());
@@ -198,6 +209,7 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
       over[i] = left[i].empty() ? SteppedOver(contestants[i], levels, level) : left[i];
     });
     const auto follows = [&](std::size_t i) { return over[i].empty(); };
+    if (null_found && follows(0)) GoOn(contestants.front(), levels, level);
     const Contestant null = contestants.front();
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {
       if (i == 0) return;
@@ -232,6 +244,8 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
         Contestant& own = contestants[i];
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);
       });
+      const Estimate& now = contestants.front().levels[level];
+      null_found = null_found || (now.ok() && now.q != null.levels[level].q && IsNearTheNoise(now));
     }
     // Where a fit has ended above the null, what it has come to here may be the better start there.
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {

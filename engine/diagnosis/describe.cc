@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/confidence.h"
 #include "diagnosis/extend.h"
 #include "diagnosis/trial.h"
 #include "estimation/horizon.h"
@@ -222,6 +223,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   if (!model.Holds(level)) return {};
   const estimation::Estimate& fit = model.levels[level];
   result.effects = FoundOf(model, levels, settled);
+  for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
   if (result.verdict == Conclusion::kAmbiguous) {
     std::vector<std::string> names;
     std::vector<identification::EffectInstance> instances;

@@ -29,7 +29,7 @@ struct FoundParameter {
 struct FoundEffect {
   std::string name, at;
   std::string law;                   // "stiffness = nominal (1 + delta)"
-  std::optional<double> confidence;  // against the other candidates, from the evidence; nothing: not calibrated
+  std::optional<double> confidence;  // ConfidenceOf(): of the verdict, the same for all effects that it shows
   std::vector<FoundParameter> parameters;
 };
 struct Seen {
