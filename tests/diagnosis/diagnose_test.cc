@@ -100,6 +100,19 @@ TEST(SlowDiagnose, NamesDryFrictionAtItsPlace) {
   EXPECT_NEAR(found.effects[0].parameters[0].value, 30.0, 1.5);
 }
 
+/// Without noise everything counts that a fit has not come to: the limit of what is seen is 1e-4 of each output.
+TEST(SlowDiagnose, NamesADeadZoneAloneInARecordWithoutNoise) {
+  const Diagnosis found =
+      DiagnosisOf(WithEffect(AsBuilt(Nominal()), "actuator_dead_zone", "input:T_airgap", {62.5}), 0.0);
+  ASSERT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason << "\n" << ToText(found.journal);
+  ASSERT_EQ(found.effects.size(), 1u) << found.reason;
+  EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "actuator_dead_zone@input:T_airgap");
+  const FoundParameter& width = found.effects[0].parameters[0];
+  EXPECT_NEAR(width.value, 62.5, 0.05);
+  EXPECT_LT(width.lower, 62.5);
+  EXPECT_GT(width.upper, 62.5);
+}
+
 TEST(SlowDiagnose, NamesTwoCausesOneAfterTheOther) {
   const Plan one = WithEffect(AsBuilt(Nominal()), "actuator_delay", "input:T_airgap", {2.5e-4});
   const Diagnosis found = DiagnosisOf(WithEffect(one, "sensor_gain", "output:omega_1", {1.08}), 0.01);
