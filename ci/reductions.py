@@ -102,7 +102,7 @@ def numbers(values):
 
 
 def drawn(program, seed):
-    """A scenario, what goes to --set, what takes it back, and words for it."""
+    """A scenario, what goes to --set, what takes it back from what is left of it, in several ways, and words for it."""
     draw = random.Random(seed)
     scenario = draw.choice(CHEAP)
     said = json.loads(call([program, "describe", scenario, "--json", "-"]).stdout)["scenarios"][0]
@@ -113,7 +113,15 @@ def drawn(program, seed):
         new = 0.0 if kind < 0.1 else -float(text) if kind < 0.2 else float(text) * (1 + share)
         if re.fullmatch(r"-?[0-9]+", text):
             new = int(text) + draw.choice([-1, 1])
-        back = [[f"{path}={text}"], [f"{path}={float(f'{float(text):.1e}')!r}"]]
+
+        def back(left):
+            """The old value, in two digits, or, of a body that others have become one with, what it has lost."""
+            now = left
+            for key in path.split("."):
+                now = now.get(key) if isinstance(now, dict) else None
+            joint = [f"{path}={now + float(text) - new!r}"] if isinstance(now, (int, float)) else []
+            return [f"{path}={text}", f"{path}={float(f'{float(text):.1e}')!r}", *joint]
+
         return scenario, [f"{path}={new!r}"], back, f"`{path}` {new:.4g} for {float(text):.4g}"
     effect, place = draw.choice([(effect, place) for effect, places in sorted(said["places"].items()) for place in sorted(places)])
     about = json.loads(call([program, "describe", effect, "--json", "-"]).stdout)["effects"][0]
@@ -124,7 +132,7 @@ def drawn(program, seed):
         sizes[one["name"]] = one["start"] if whole else min(max(float(f"{size:.3g}"), one["lower"]), one["upper"])
     inline = ", ".join(f"{name} = {value!r}" for name, value in sizes.items())
     text = f'effect=[{{ name = "{effect}", at = "{place}", parameters = {{ {inline} }} }}]'
-    return scenario, [text], [["effect=[]"]], f"`{effect}` at {place}: {', '.join(f'{n} {v:.3g}' for n, v in sizes.items())}"
+    return scenario, [text], lambda left: ["effect=[]"], f"`{effect}` at {place}: {', '.join(f'{n} {v:.3g}' for n, v in sizes.items())}"
 
 
 def of_random(program, seed):
@@ -135,7 +143,7 @@ def of_random(program, seed):
         document, small = reduced(program, scenario, settings, "", "", folder)
         if document is None:
             return None
-        verdicts = [fails(program, small, document["check"], folder, "--set", one[0]) for one in back]
+        verdicts = [fails(program, small, document["check"], folder, "--set", one) for one in back(tomllib.loads(small.read_text()))]
         same = fails(program, small, document["check"], folder) is True and False in verdicts
         return figures(document, small, same, what, scenario)
 
@@ -172,7 +180,7 @@ def rows_of(kept):
 def summaries(kept):
     seeded, at_random = rows_of(kept)
     return ([summary(seeded, "- Of seeded faults in the program")] if seeded else []) + (
-        [summary(at_random, "- Of faults drawn at random in a scenario")] if at_random else [])
+        [summary(at_random, "- Of faults drawn at random in a scenario"), summary(seeded + at_random, "- Of all together")] if at_random else [])
 
 
 def page(kept):

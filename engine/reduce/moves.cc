@@ -96,14 +96,16 @@ std::optional<std::string> ShaftAt(const Value& root, const std::string& body) {
   return std::nullopt;
 }
 
-/// Two bodies that a shaft joins become one. What was seen of the shaft is seen of its neighbour.
-Move Join(const std::string& shaft) {
-  return {fmt::format("shaft {} is rigid", shaft), [shaft](Value& root) {
+/// Two bodies that a shaft joins become one, which keeps the name of the one that was `changed`, for that is looked for. What was seen of the
+/// shaft is seen of its neighbour.
+Move Join(const std::string& shaft, const std::set<std::string>& changed) {
+  return {fmt::format("shaft {} is rigid", shaft), [shaft, changed](Value& root) {
             const Value* between = root.FindPath("plant.shaft." + shaft + ".between");
             if (between == nullptr || !between->is_array() || between->array().size() != 2 ||
                 !between->array()[0].is_string() || !between->array()[1].is_string())
               return false;
-            const std::string a = BodyOf(between->array()[0].string()), b = BodyOf(between->array()[1].string());
+            std::string a = BodyOf(between->array()[0].string()), b = BodyOf(between->array()[1].string());
+            if (changed.contains("plant.inertia." + b)) std::swap(a, b);
             Value *first = root.FindPath("plant.inertia." + a), *second = root.FindPath("plant.inertia." + b);
             if (a == b || first == nullptr || second == nullptr || !first->is_number() || !second->is_number())
               return false;
@@ -117,13 +119,13 @@ Move Join(const std::string& shaft) {
 }
 
 /// Stiff ones first: they move least.
-std::vector<Move> Joints(const Value& root) {
+std::vector<Move> Joints(const Value& root, const std::set<std::string>& changed) {
   std::vector<std::pair<double, std::string>> shafts;
   for (const Value::Entry& entry : TableAt(root, "plant.shaft"))
     shafts.emplace_back(-entry.value.NumberOr("stiffness_Nm_per_rad", 0.0), entry.key);
   std::ranges::sort(shafts);
   std::vector<Move> moves;
-  for (const auto& [stiffness, name] : shafts) moves.push_back(Join(name));
+  for (const auto& [stiffness, name] : shafts) moves.push_back(Join(name, changed));
   return moves;
 }
 
@@ -300,7 +302,9 @@ std::vector<Move> Keys(const Value& root, const std::string& section) {
   return moves;
 }
 
-void RoundAll(const Value& value, const std::string& path, int digits, std::vector<Move>& moves) {
+void RoundAll(const Value& value, const std::string& path, int digits, const std::set<std::string>& changed,
+              std::vector<Move>& moves) {
+  if (changed.contains(path)) return;
   if (value.is_number() && !value.is_integer() && Rounded(value.number(), digits) != value.number()) {
     moves.push_back({fmt::format("{} in {} digits", path, digits), [path, digits](Value& root) {
                        Value* number = root.FindPath(path);
@@ -310,11 +314,12 @@ void RoundAll(const Value& value, const std::string& path, int digits, std::vect
                      }});
   }
   if (value.is_table()) {
-    for (const Value::Entry& entry : value.table()) RoundAll(entry.value, path + "." + entry.key, digits, moves);
+    for (const Value::Entry& entry : value.table())
+      RoundAll(entry.value, path + "." + entry.key, digits, changed, moves);
   }
   if (value.is_array()) {
     for (std::size_t i = 0; i < value.array().size(); ++i)
-      RoundAll(value.array()[i], fmt::format("{}.{}", path, i), digits, moves);
+      RoundAll(value.array()[i], fmt::format("{}.{}", path, i), digits, changed, moves);
   }
 }
 
@@ -362,7 +367,8 @@ Move Earlier(double factor) {
 
 double Rounded(double value, int digits) { return std::stod(fmt::format("{:.{}e}", value, digits - 1)); }
 
-std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels) {
+std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels,
+                            const std::set<std::string>& changed) {
   const Known known{kept, levels};
   std::vector<Move> lumps;
   for (const Value::Entry& entry : TableAt(root, "plant.rotor")) lumps.push_back(Lump(entry.key));
@@ -377,7 +383,7 @@ std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& k
                                {"parts", Parts(root, known)},
                                {"rotors", std::move(lumps)},
                                {"stages", Stages(root)},
-                               {"bodies", Joints(root)},
+                               {"bodies", Joints(root, changed)},
                                {"sums", Sums(root)},
                                {"inputs that rest", Constants(root, true)},
                                {"inputs that step", Constants(root, false)}};
@@ -389,10 +395,11 @@ std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& k
   return groups;
 }
 
-Group Digits(const Value& root, int digits) {
+Group Digits(const Value& root, int digits, const std::set<std::string>& changed) {
   Group group{fmt::format("numbers in {} digits", digits), {}};
   for (const char* section : {"plant", "input", "control", "part"}) {
-    if (const Value* values = root.Find(section); values != nullptr) RoundAll(*values, section, digits, group.moves);
+    if (const Value* values = root.Find(section); values != nullptr)
+      RoundAll(*values, section, digits, changed, group.moves);
   }
   return group;
 }

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,11 +29,12 @@ Levels LevelsOf(const Value& root, const trace::Trace& trace);
 
 /// Groups in the order in which they pay: whole sections, signals and effects, parts with all that names them, what a rotor and a
 /// stiff coupling hide, stages, single keys. `kept`: signals that the check looks at.
-/// An input whose control goes rests at its level.
-std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels = {});
+/// An input whose control goes rests at its level. `changed`: paths of the numbers that the good scenario has otherwise.
+std::vector<Group> GroupsOf(const Value& root, const std::vector<std::string>& kept, const Levels& levels = {},
+                            const std::set<std::string>& changed = {});
 
-/// Numbers in so many digits, which fits more on a line.
-Group Digits(const Value& root, int digits);
+/// Numbers in so many digits, which fits more on a line; not those that are `changed`, for by how much is what is wrong.
+Group Digits(const Value& root, int digits, const std::set<std::string>& changed = {});
 
 /// Keys of the checks that have a default, and items of their lists. Without them the checks may say something else.
 Group KeysOfChecks(const Value& root);

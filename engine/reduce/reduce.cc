@@ -67,7 +67,7 @@ class Reducer {
  private:
   /// The groups of moves that what is left offers; anew each time, since what went before may have taken some of it.
   std::vector<Group> Groups() const {
-    std::vector<Group> groups = GroupsOf(plan_.root, Kept(), levels_);
+    std::vector<Group> groups = GroupsOf(plan_.root, Kept(), levels_, Changed());
     // Only what passes the check elsewhere tells a check that says less from one that looks elsewhere.
     if (Guarded()) groups.push_back(KeysOfChecks(plan_.root));
     return groups;
@@ -234,6 +234,7 @@ class Reducer {
     const std::string text = ToToml(plan.root), beside = other ? ToToml(other->root) : "";
     // Two that are one do not differ, and what was refused once is refused again: neither costs a run.
     if ((other && text == beside) || refused_.contains(text + beside)) return false;
+    if (other && Travels(plan, *other)) return false;
     std::optional<score::Check> same;
     if (!Answered(plan, other ? &*other : nullptr, same)) {
       refused_.insert(text + beside);
@@ -243,6 +244,17 @@ class Reducer {
     plan_ = std::move(plan);
     (Paired() ? was_ : good_) = std::move(other);
     return true;
+  }
+
+  /// The numbers of the plant that the scenario beside has otherwise.
+  std::set<std::string> Changed() const {
+    const std::optional<Plan>& beside = Paired() ? was_ : good_;
+    return beside ? DifferingNumbers(plan_.root, beside->root, "plant") : std::set<std::string>();
+  }
+
+  /// Whether others differ then: a number that is wrong has got into them, where nobody finds it.
+  bool Travels(const Plan& plan, const Plan& other) const {
+    return !std::ranges::includes(Changed(), DifferingNumbers(plan.root, other.root, "plant"));
   }
 
   /// Whether the plan fails as it did, and passes where it must: whoever said no last is asked first, and a no spares the others.
@@ -407,14 +419,14 @@ class Reducer {
   /// else as few as each can.
   void Round() {
     std::vector<std::string> done;
-    const Group two = Digits(plan_.root, 2);
+    const Group two = Digits(plan_.root, 2, Changed());
     trying_ = two.what;
     if (two.moves.empty() || !Left()) return;
     if (Together(two.moves, done)) {
       Note(two.what);
       return;
     }
-    for (const int digits : {6, 4, 2}) TakeOut(Digits(plan_.root, digits));
+    for (const int digits : {6, 4, 2}) TakeOut(Digits(plan_.root, digits, Changed()));
   }
 
   /// Whether all of these moves together keep the fault; they are done then.

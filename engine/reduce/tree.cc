@@ -42,4 +42,16 @@ const Value::Array& ListAt(const Value& root, std::string_view path) {
   return value != nullptr && value->is_array() ? value->array() : none;
 }
 
+std::set<std::string> DifferingNumbers(const Value& a, const Value& b, const std::string& path) {
+  std::set<std::string> paths;
+  for (const Value::Entry& entry : TableAt(a, path)) {
+    const std::string at = path + "." + entry.key;
+    const Value* other = b.FindPath(at);
+    if (other == nullptr) continue;
+    if (entry.value.is_number() && other->is_number() && entry.value.number() != other->number()) paths.insert(at);
+    if (entry.value.is_table()) paths.merge(DifferingNumbers(a, b, at));
+  }
+  return paths;
+}
+
 }  // namespace dynoproof::reduce

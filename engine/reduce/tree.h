@@ -1,6 +1,7 @@
 // The tree that moves change: marks at what is gone, and tables by their path.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -27,5 +28,8 @@ const Value::Table& TableAt(const Value& root, std::string_view path);
 
 /// The items of the list there; none where there is no list.
 const Value::Array& ListAt(const Value& root, std::string_view path);
+
+/// The paths below `path` of the numbers that both trees have there, and that are others.
+std::set<std::string> DifferingNumbers(const Value& a, const Value& b, const std::string& path);
 
 }  // namespace dynoproof::reduce

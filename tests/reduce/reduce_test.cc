@@ -193,6 +193,47 @@ TEST(ReduceMoves, ARigidShaftAddsUpItsInertias) {
   EXPECT_EQ(root.TextOr("plant.shaft.k2.between.0"), "I1");
 }
 
+TEST(ReduceMoves, AJointBodyKeepsTheNameOfTheOneThatWasChanged) {
+  Value root = testing::LumpedPlan().root;
+  const std::vector<Group> groups = GroupsOf(root, {}, {}, {"plant.inertia.I2"});
+  const auto bodies = std::ranges::find(groups, "bodies", &Group::what);
+  ASSERT_NE(bodies, groups.end());
+  Apply({bodies->moves.front()}, root);
+  EXPECT_EQ(root.FindPath("plant.inertia.I1"), nullptr);
+  EXPECT_DOUBLE_EQ(root.NumberOr("plant.inertia.I2", 0.0), 25.082 + 6.352);
+}
+
+TEST(Reduce, ANumberThatIsWrongStaysUnderItsName) {
+  // The first shaft takes along all that is behind it, of which the third inertia is a small part.
+  Plan good = PulledChain();
+  good.root["plant"]["load"]["pull"]["on"] = Value("I1");
+  good.root["output"]["T_shaft"]["of"] = Value("plant.k1.torque");
+  Plan wrong = good;
+  const double right = good.root.NumberOr("plant.inertia.I3", 0.0);
+  wrong.root["plant"]["inertia"]["I3"] = Value(10.0 * right);
+  const auto largest = [](const Plan& plan) {
+    Diagnostics diagnostics;
+    const auto prepared = Prepare(plan, {}, Plugins(), diagnostics);
+    EXPECT_NE(prepared, nullptr) << diagnostics.Format();
+    const auto checks = prepared != nullptr ? RunScenario(*prepared, {.out = ""}).checks : std::vector<score::Check>();
+    const auto own = std::ranges::find(checks, "largest T_shaft", &score::Check::name);
+    return own != checks.end() ? own->value : 0.0;
+  };
+  const double less = largest(good), more = largest(wrong);
+  ASSERT_GT(more, 1.02 * less);
+  for (Plan* plan : {&good, &wrong}) plan->root["check"] = Value(Value::Array{Largest("T_shaft", 0.5 * (less + more))});
+  const Result<Reduced> reduced = Reduce(wrong, Plugins(), {.check = "largest T_shaft", .good = good});
+  ASSERT_TRUE(reduced.ok()) << reduced.failure().ToString();
+  const std::string text = ShortForm(reduced->plan.root);
+  Plan mended = reduced->plan;
+  Value* number = mended.root.FindPath("plant.inertia.I3");
+  ASSERT_NE(number, nullptr) << text;
+  *number = Value(number->number() - 9.0 * right);
+  EXPECT_EQ(VerdictOf(reduced->plan, "largest T_shaft"), score::Verdict::kFail) << text;
+  EXPECT_EQ(VerdictOf(mended, "largest T_shaft"), score::Verdict::kPass) << text;
+  EXPECT_LT(reduced->plan.root.FindPath("plant.inertia")->table().size(), 5U) << "others are one with it\n" << text;
+}
+
 TEST(ReduceMoves, ARotorBecomesOneInertia) {
   Value root = testing::SoftPlan().root;
   const std::vector<Group> groups = GroupsOf(root, {});
