@@ -245,7 +245,8 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
         if (&own != leader && follows(i)) FitFrom(own, *leader, null, levels, level);
       });
       const Estimate& now = contestants.front().levels[level];
-      null_found = null_found || (now.ok() && now.q != null.levels[level].q && IsNearTheNoise(now));
+      const bool moved = now.ok() && (!null.Holds(level) || now.q != null.levels[level].q);
+      null_found = null_found || (moved && IsNearTheNoise(now));
     }
     // Where a fit has ended above the null, what it has come to here may be the better start there.
     ParallelFor(contestants.size(), 0, [&](std::size_t i) {

@@ -58,16 +58,20 @@ Contestant WithChanges(const std::vector<Change>& changes, std::uint64_t chosen,
     hypothesis = hypothesis.With(*changes[i].trial.effect, changes[i].trial.place, magnitudes);
     sizes.push_back(changes[i].relative);
   }
-  VectorXd start = StartFrom(hypothesis, exact.hypothesis, exact.levels[level].q);
-  for (std::size_t i = 0; i < sizes.size(); ++i)
-    start[static_cast<Index>(i)] = hypothesis.parameters()[i].CoordinateOf(sizes[i]);
   Contestant one(hypothesis);
   one.levels.resize(levels.size());
   for (estimation::Estimate& fit : one.levels) fit.broken = "looked at in the free run alone";
-  one.levels[level] = AsLoudAs(
-      null, level,
-      estimation::Fit(hypothesis, levels[level], start,
-                      {.renewals = 6, .points = PointsFor(hypothesis), .of_excess = policy::kCarriedTo, .near = true}));
+  // The other numbers are near their nominal values, or where they have come to with all of them free.
+  for (VectorXd start : {hypothesis.start(), StartFrom(hypothesis, exact.hypothesis, exact.levels[level].q)}) {
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+      start[static_cast<Index>(i)] = hypothesis.parameters()[i].CoordinateOf(sizes[i]);
+    const estimation::EstimatorOptions how{
+        .renewals = 6, .points = PointsFor(hypothesis), .of_excess = policy::kCarriedTo, .near = true};
+    estimation::Estimate fit = AsLoudAs(null, level, estimation::Fit(hypothesis, levels[level], start, how));
+    const auto excess = [&](const estimation::Estimate& some) { return LogExcess(some.scales, levels.data()); };
+    if (fit.ok() && (!one.Holds(level) || excess(fit) < excess(one.levels[level]))) one.levels[level] = std::move(fit);
+    if (LeavesNothing(one, levels)) break;
+  }
   return one;
 }
 
@@ -125,7 +129,14 @@ Contest CompeteByChanges(const Contest& under_priors, const Contestant& exact, c
       fitted[i] = WithChanges(changes, sets[i], exact, under_priors.null(), levels, magnitudes);
     });
     for (std::optional<Contestant>& one : fitted) {
-      if (LeavesNothing(*one, levels)) contest.contestants.push_back(*std::move(one));
+      if (!LeavesNothing(*one, levels)) continue;
+      // What is told of it has an interval, and has to be the minimum itself.
+      estimation::Estimate& fit = one->levels[levels.free_run()];
+      estimation::Estimate last = AsLoudAs(under_priors.null(), levels.free_run(),
+                                           estimation::Fit(one->hypothesis, levels[levels.free_run()], fit.q));
+      if (last.ok() && LogExcess(last.scales, levels.data()) <= LogExcess(fit.scales, levels.data()))
+        fit = std::move(last);
+      contest.contestants.push_back(*std::move(one));
     }
   }
   return contest;

@@ -66,5 +66,22 @@ TEST_F(SteppingStones, AreNeededWhereTheFreeRunLeavesMore) {
   EXPECT_EQ(SteppedOver(one, *levels_, stone() + 1), "far from the noise before");
 }
 
+/// A null whose run has broken, or which has stepped over a level, may be found there by another's values.
+TEST_F(SteppingStones, ANullThatWasNotFittedIsFoundByAnothersValues) {
+  ASSERT_NE(levels_, nullptr);
+  std::vector<Contestant> all = {AsGiven(), AsGiven()};
+  const Effect* effect = testing::BuiltIns().FindEffect("viscous_friction");
+  ASSERT_NE(effect, nullptr);
+  all[1] = Contestant(all[0].hypothesis.With(*effect, *ParsePlace("inertia:I5"), Magnitudes{}));
+  all[1].levels = all[0].levels;
+  const std::size_t first = stone();
+  all[1].levels[first] =
+      estimation::Fit(all[1].hypothesis, (*levels_)[first], all[1].hypothesis.start(), {.renewals = 0});
+  ASSERT_FALSE(all[0].Holds(levels_->free_run()));
+  EXPECT_TRUE(Carry(all, *levels_, first, Conduct()));
+  EXPECT_TRUE(all[0].Holds(levels_->free_run()));
+  EXPECT_TRUE(IsExact(all[0].levels[levels_->free_run()])) << "the record is the nominal model's";
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis
