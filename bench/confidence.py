@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """How far a verdict of the diagnosis is to be trusted: how often one of its kind was right about made cases.
 
-  bench/confidence.py count COMMIT RESULTS.json ...   counts results of bench/diagnosis.py and of blind_suite --json
+  bench/confidence.py count COMMIT RESULTS.json ...   counts results of bench/diagnosis.py run
   bench/confidence.py write                           the table of the program, and the one of its page; `check`: 1 where they are others
 
 `count` keeps bench/confidence.json: by verdict, with one effect shown or several, how many cases there were and in how many every effect
-that was shown had been hidden. The first half of each part by its numbers calibrates, the other half tells how well that holds.
+that was shown had been hidden. Of each seed the cases with even numbers calibrate, and those with odd ones tell how well that holds.
 """
 import argparse
 import json

@@ -132,7 +132,7 @@ Contest CompeteByChanges(const Contest& under_priors, const Contestant& exact, c
     });
     for (std::optional<Contestant>& one : fitted) {
       if (!LeavesNothing(*one, levels)) continue;
-      // What is told of it has an interval, and has to be the minimum itself.
+      // An interval is told of the estimate, and holds about a minimum alone.
       estimation::Estimate& fit = one->levels[levels.free_run()];
       estimation::Estimate last = AsLoudAs(under_priors.null(), levels.free_run(),
                                            estimation::Fit(one->hypothesis, levels[levels.free_run()], fit.q));

@@ -137,8 +137,8 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   settled.exact = true;
   settled.level = level;
   const Weights weights(contest.contestants, levels, level);
-  // What is left holds a part that no model makes, such as the course of an input between its samples. A refined law follows some of
-  // that with its further numbers: what it removes has to be more than is known of the noise.
+  // The residual of an exact model holds systematic errors too, as of an input between its samples, and the further numbers of a refined
+  // law follow some of them. It has to lower the residual's power by more than the uncertainty of the noise's power.
   const auto beats = [&](std::size_t a, std::size_t b) {
     if (!weights.Beats(a, b)) return false;
     return !(a > 0 && b > 0 && Refines(all[a], all[b])) ||

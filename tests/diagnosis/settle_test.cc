@@ -104,7 +104,7 @@ TEST_F(SettleTest, OneModelThatLeavesNothingButNoiseIsFound) {
   EXPECT_EQ(settled.level, levels_->free_run());
 }
 
-/// What a refined law removes beside its plainer one has to be more than is known of the noise, however surely it does so.
+/// A refined law does not beat its plainer one by a lower residual power that lies within the uncertainty of the noise's power.
 TEST_F(SettleTest, ARefinedLawDoesNotBeatItsPlainerOneByAHundredthOfTheNoise) {
   const auto found = [&](double course) {
     return SettledOf(
