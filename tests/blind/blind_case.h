@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,11 @@ struct Case {
   std::string unknown;             // what is hidden that is not in the contract's list
   double strength = 1.0;           // share of what counts as a fault worth finding
   double noise = 0.0, size = 0.0;  // of the signals; effect over noise, as SizeOf() says
+  // What makes the record unlike any model (inexact.h), its own size, and places whose effects stand for it.
+  std::vector<std::string> inexact;
+  double inexact_size = 0.0;
+  std::set<std::string> near;
+  bool any_friction = false;  // every dry friction at the cause's place is the cause
 };
 
 /// A case counts from here on.

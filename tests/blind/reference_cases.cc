@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "scenario/load.h"
 #include "score/series.h"
 #include "sim/simulate.h"
+#include "tests/blind/inexact.h"
 
 namespace dynoproof::blind {
 namespace {
@@ -219,17 +221,31 @@ std::optional<Columns> FromReference(Case& hidden, Dice& dice, double duration_s
   if (!plan) throw std::runtime_error(diagnostics.Format());
   Excite(*plan, dice, duration_s);
   const Plan nominal = *plan;
-  Detune(*plan, dice, hidden.kind == "null" ? 0.0 : 0.003);
+  Detune(*plan, dice, hidden.kind == "null" && hidden.inexact.empty() ? 0.0 : 0.003);
   if (hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.4 && plan->root["plant"]["type"].string() == "drive_line")
     plan->root["plant"]["initial_speed_rad_per_s"] = Value(dice.Uniform(-3.0, 3.0));
   Columns columns = Simulated(*plan, registry);
+  const bool creeps = std::find(hidden.inexact.begin(), hidden.inexact.end(), "creeping") != hidden.inexact.end();
+  if (!hidden.inexact.empty()) {
+    MakeInexact(*plan, columns, hidden, dice);
+    Columns changed = Simulated(*plan, registry);
+    hidden.inexact_size = SizeOf(changed, columns, hidden.noise);
+    columns = std::move(changed);
+  }
   hidden.size = std::numeric_limits<double>::infinity();
   for (int left = hidden.kind == "effect" ? 1 : hidden.kind == "pair" ? 2 : 0; left > 0; --left) {
-    HideIn(*plan, nominal, columns, registry, only, hidden, dice);
+    HideIn(*plan, nominal, columns, registry, creeps ? std::vector<std::string>{"coulomb_friction"} : only, hidden,
+           dice);
     if (hidden.causes.size() > 1 && hidden.causes[0].at == hidden.causes[1].at) return std::nullopt;
     Columns changed = Simulated(*plan, registry);
     hidden.size = std::min(hidden.size, SizeOf(changed, columns, hidden.noise));
     if (hidden.size < kSmallestSize) return std::nullopt;
+    if (creeps) {
+      LetCreep(*plan, hidden, dice);
+      Columns creeping = Simulated(*plan, registry);
+      hidden.inexact_size = std::max(hidden.inexact_size, SizeOf(creeping, changed, hidden.noise));
+      changed = std::move(creeping);
+    }
     columns = std::move(changed);
   }
   if (hidden.causes.empty()) hidden.size = 0.0;
