@@ -21,6 +21,15 @@ using estimation::Fit;
 using estimation::Hypothesis;
 using estimation::Prediction;
 
+/// What a fit leaves beyond the noise, as a logarithm.
+double Left(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
+
+/// Takes another fit at a level where that leaves less than the one there.
+void TakeLower(Contestant& contestant, Estimate again, const Levels& levels, std::size_t level) {
+  if (again.ok() && (!contestant.Holds(level) || Left(again, levels) < Left(contestant.levels[level], levels)))
+    contestant.levels[level] = std::move(again);
+}
+
 /// Where a fit begins at a level: where the level before has come to, where a first look has come to here, or at the null's
 /// values of this level, whichever leaves least. Where all are worse than the null itself, it begins there, with an effect that
 /// does next to nothing.
@@ -47,8 +56,7 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   const auto count = static_cast<Index>(contestant.effect().info().parameters.size());
   here.segment(own - count, count) = from.segment(own - count, count);
   const double of_here = excess(here);
-  if (std::min(of_from, of_here) <= LogExcess(null.levels[level].scales, levels.data()))
-    return of_from <= of_here ? from : here;
+  if (std::min(of_from, of_here) <= Left(null.levels[level], levels)) return of_from <= of_here ? from : here;
   constexpr double kNextToNothing = 0.01;  // of where it was
   for (Index i = own - count; i < own; ++i) {
     const estimation::Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
@@ -85,8 +93,7 @@ Estimate FitFully(const Contestant& contestant, const Contestant& null, const Le
 /// Whether a fit leaves so much more than the best one that its last digits decide nothing.
 bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Levels& levels, std::size_t level) {
   if (!estimate.ok() || leader == nullptr) return false;
-  return LogExcess(estimate.scales, levels.data()) >
-         LogExcess(leader->levels[level].scales, levels.data()) + std::log(policy::kFarBehind);
+  return Left(estimate, levels) > Left(leader->levels[level], levels) + std::log(policy::kFarBehind);
 }
 
 /// Once more from the values that another model has found, where that ends lower.
@@ -110,8 +117,7 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
                                  .of_excess = policy::kCarriedTo,
                                  .near = true,
                                  .known = known ? std::optional(own_columns) : std::nullopt}));
-  const auto worth = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
-  if (!again.ok() || (known && !(worth(again) < worth(contestant.levels[level]) - kWorth))) return;
+  if (!again.ok() || (known && !(Left(again, levels) < Left(contestant.levels[level], levels) - kWorth))) return;
   if (known && !IsFarBehind(again, &other, levels, level)) again = FitFully(contestant, null, levels, level, again.q);
   if (again.ok()) contestant.levels[level] = std::move(again);
 }
@@ -128,10 +134,7 @@ std::optional<std::size_t> ReachedBefore(const Contestant& contestant, std::size
 void GoOn(Contestant& null, const Levels& levels, std::size_t level) {
   const std::optional<std::size_t> before = ReachedBefore(null, level);
   if (!before) return;
-  Estimate again = FitFully(null, null, levels, level, null.levels[*before].q);
-  const auto excess = [&](const Estimate& estimate) { return LogExcess(estimate.scales, levels.data()); };
-  if (again.ok() && (!null.Holds(level) || excess(again) < excess(null.levels[level])))
-    null.levels[level] = std::move(again);
+  TakeLower(null, FitFully(null, null, levels, level, null.levels[*before].q), levels, level);
 }
 
 /// Fits the level before once more from the values of this one, where it ended above the null and that ends lower.
@@ -139,9 +142,7 @@ void LookBack(Contestant& contestant, const Contestant& null, const Levels& leve
   const std::size_t before = level - 1;
   if (!contestant.Holds(level) || !contestant.Holds(before) || !null.Holds(before)) return;
   if (ShareOf(contestant, null, levels, before) >= policy::kHarm) return;
-  Estimate again = FitFully(contestant, null, levels, before, contestant.levels[level].q);
-  if (again.ok() && LogExcess(again.scales, levels.data()) < LogExcess(contestant.levels[before].scales, levels.data()))
-    contestant.levels[before] = std::move(again);
+  TakeLower(contestant, FitFully(contestant, null, levels, before, contestant.levels[level].q), levels, before);
 }
 
 /// Whether the free run at what a fit has come to leaves no more than the fit did: then it needs no longer memory to go there.

@@ -111,6 +111,23 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
   return estimate;
 }
 
+void Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps) {
+  if (!contestant.Holds(level)) return;
+  Hypothesis finer = contestant.hypothesis.WithSubsteps(substeps);
+  // Kept columns do where the minimum is near. Along a curved valley each step needs its own.
+  Eigen::VectorXd q = contestant.levels[level].q;
+  Estimate again;
+  for (const bool near : {true, false}) {
+    again = estimation::Fit(finer, levels[level], q, {.converged = policy::kNamedTo, .near = near, .central = true});
+    if (!again.ok() || again.termination == estimation::kSettled) break;
+    q = again.q;
+  }
+  again = AsLoudAs(null, level, std::move(again));
+  if (!again.ok() || !IsExact(again)) return;
+  contestant.levels[level] = std::move(again);
+  contestant.hypothesis = std::move(finer);
+}
+
 void CountAsNoise(Contestant one, std::span<Contestant> all) {
   for (Contestant& other : all) {
     other.coloured = true;

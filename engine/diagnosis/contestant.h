@@ -65,6 +65,11 @@ int PointsFor(const estimation::Hypothesis& hypothesis);
 /// noise, noise alone is that.
 estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimation::Estimate estimate);
 
+/// Fits a model that leaves nothing but noise to the minimum itself at a level, in the substeps that its scenario asks for. A contest
+/// ends its fits where what a step would still gain tells no model from another, up to a standard deviation before it, and
+/// simulates in substeps in which nobody sees the nominal model change, but a lag or a delay does.
+void Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps);
+
 /// From now on, of all of them, noise alone is at each level at least what this one leaves there, which is noise of some colour.
 void CountAsNoise(Contestant one, std::span<Contestant> all);
 

@@ -166,6 +166,14 @@ class Pipeline {
     return static_cast<double>(levels_.simulations()) >= options_.most_simulations || cpu_s >= options_.most_cpu_s;
   }
 
+  /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
+  Settled SettledOn(const Contest& contest, bool first) {
+    std::vector<std::vector<HeldOut>> beside = {HeldOutOf(contest, *parts_.held_out, given_, !holdout_.empty())};
+    const std::vector<HeldOut> own = beside.front();
+    if (first) passes_.push_back(own), beside = passes_;
+    return Settle(contest, levels_, own, LeastOf(beside, levels_.size()));
+  }
+
   /// Which effect on top of a null explains what that leaves.
   Result<Answer> Ask(Contestant null, bool released, const std::string& stage) {
     const double from = 1.0 - std::pow(0.5, asked_++);
@@ -182,11 +190,7 @@ class Pipeline {
         const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
         if (best != nullptr && LeavesNoise(problem_, *best, levels_)) CountAsNoise(*best, contest->contestants);
       }
-      std::vector<HeldOut> held = HeldOutOf(*contest, *parts_.held_out, given_, !holdout_.empty());
-      const bool first = contest->null().hypothesis.effects().empty();
-      if (first) passes_.push_back(held);
-      settled =
-          Settle(*contest, levels_, held, first ? LeastOf(passes_, levels_.size()) : LeastOf({held}, levels_.size()));
+      settled = SettledOn(*contest, contest->null().hypothesis.effects().empty());
     } else {
       result_.search_complete = false;
       settled.level = contest->first;
@@ -208,8 +212,7 @@ class Pipeline {
     Contest contest = CompeteByChanges(under_priors, *exact, levels_, magnitudes_, problem_.registry(), kMostCauses);
     Settled settled;
     if (contest.contestants.size() > 1) {
-      const std::vector<HeldOut> held = HeldOutOf(contest, *parts_.held_out, given_, !holdout_.empty());
-      settled = Settle(contest, levels_, held, LeastOf({held}, levels_.size()));
+      settled = SettledOn(contest, false);
     } else {
       settled.rule = "the model's own numbers, let go together";
       settled.level = levels_.free_run();
@@ -314,8 +317,7 @@ class Pipeline {
     const std::size_t level = levels_.free_run();
     if (!later.null().Holds(level) || !IsExact(later.null().levels[level])) return;
     answer.contest.contestants[model].levels = later.null().levels;
-    const std::vector<HeldOut> held = HeldOutOf(answer.contest, *parts_.held_out, given_, !holdout_.empty());
-    answer.settled = Settle(answer.contest, levels_, held, LeastOf({held}, levels_.size()));
+    answer.settled = SettledOn(answer.contest, false);
     Enter(answer.contest, answer.settled, "with what was found later");
   }
 
@@ -351,9 +353,13 @@ class Pipeline {
     journal.push_back(std::move(cost));
   }
 
-  Result<Diagnosis> Report(const Answer& answer) {
+  Result<Diagnosis> Report(Answer answer) {
     options_.progress("what it gains", 0.97);
-    const auto& [contest, settled] = answer;
+    auto& [contest, settled] = answer;
+    for (const std::size_t i : settled.causes) {
+      if (settled.exact)
+        Polish(contest.contestants[i], contest.null(), levels_, settled.level, SubstepsOf(problem_.plan()));
+    }
     result_.verdict = settled.verdict;
     result_.reason = settled.reason;
     // A first of several causes may explain little; what stands alone at the end and is called the main one explains half.

@@ -18,10 +18,11 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kLoudest = 2.0;   // times the noise alone of the start: a louder loop is no model any more
-constexpr double kStraight = 1e3;  // rows of a channel: the constant beside the noise's part
-constexpr const char* kSettled = "settled";
+constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
+constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
 constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
+constexpr double kCentralStep =
+    1e-4;  // of a stiffness that is known to 1 %: it turns a mode by 1e-3 rad in 500 periods
 
 /// One simulated point.
 struct Point {
@@ -31,8 +32,8 @@ struct Point {
 
 class Residual : public ceres::CostFunction {
  public:
-  Residual(const Hypothesis& hypothesis, const Predictor& predictor, const std::optional<KnownColumns>& known)
-      : hypothesis_(hypothesis), predictor_(predictor), known_(known) {
+  Residual(const Hypothesis& hypothesis, const Predictor& predictor, const EstimatorOptions& options)
+      : hypothesis_(hypothesis), predictor_(predictor), known_(options.known), central_(options.central) {
     rows_ = predictor.data().measured().size();
     for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
       if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
@@ -113,7 +114,7 @@ class Residual : public ceres::CostFunction {
   /// nothing lower its beginning is asked again.
   std::optional<RowMajor> ColumnsAt(const Point& here, const VectorXd& weighted) const {
     if (columns_.size() > 0 && columns_at_ == here.q && columns_about_ == about_.q) return columns_;
-    const VectorXd upper = hypothesis_.upper();
+    const VectorXd lower = hypothesis_.lower(), upper = hypothesis_.upper();
     RowMajor columns(weighted.size(), here.q.size());
     for (Index i = 0; i < here.q.size(); ++i) {
       VectorXd moved = here.q;
@@ -122,12 +123,18 @@ class Residual : public ceres::CostFunction {
         columns.col(i) = Known(*column, i, weighted);
         continue;
       }
-      double step = here.rough ? parameter.rough_step : parameter.step;
+      double step = here.rough ? parameter.rough_step : central_ ? kCentralStep : parameter.step;
+      const bool to_both_sides = central_ && here.q[i] + step <= upper[i] && here.q[i] - step >= lower[i];
       if (here.q[i] + step > upper[i]) step = -step;
-      moved[i] += step;
+      moved[i] = here.q[i] + step;
       const std::optional<Point> there = At(moved);
       if (!there) return std::nullopt;
       columns.col(i) = (Weighted(*there) - weighted) / step;
+      if (!to_both_sides) continue;
+      moved[i] = here.q[i] - step;
+      const std::optional<Point> behind = At(moved);
+      if (!behind) return std::nullopt;
+      columns.col(i) = (Weighted(*there) - Weighted(*behind)) / (2.0 * step);
     }
     last_ = here;
     columns_ = columns;
@@ -203,6 +210,7 @@ class Residual : public ceres::CostFunction {
   const Hypothesis& hypothesis_;
   const Predictor& predictor_;
   std::optional<KnownColumns> known_;
+  bool central_;
   Index rows_ = 0;
   std::vector<Index> priors_;
   mutable RowMajor kept_;
@@ -338,7 +346,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
 Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const VectorXd& start,
              const EstimatorOptions& options) {
   Estimate estimate;
-  Residual residual(hypothesis, predictor, options.known);
+  Residual residual(hypothesis, predictor, options);
   const VectorXd lower = hypothesis.lower(), upper = hypothesis.upper();
   VectorXd q = start.cwiseMax(lower).cwiseMin(upper), weighted;
   RowMajor columns;

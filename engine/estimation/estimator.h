@@ -26,6 +26,9 @@ struct ChannelScale {
   double correlation = 1.0;  // integrated autocorrelation time, in rows
 };
 
+/// Estimate::termination where new columns promise less than asked for.
+inline constexpr const char* kSettled = "settled";
+
 /// Complete when it exists.
 struct Estimate {
   Eigen::VectorXd q;                 // coordinates, by Hypothesis::parameters()
@@ -67,6 +70,9 @@ struct EstimatorOptions {
   /// afar they lead astray, so that each step gets its own.
   bool near = false;
   std::optional<KnownColumns> known = {};
+  /// Columns by central differences, for twice the simulations. The curvature that a difference to one side takes along stands
+  /// at right angles to the columns of an oscillation, and is more than what numbers show that make up for each other.
+  bool central = false;
 };
 
 /// Levenberg-Marquardt (Ceres) within the bounds, from `start` [parameters]. The fit ends where new columns promise less than

@@ -90,6 +90,12 @@ Hypothesis Hypothesis::WithReleased(const std::string& name) const {
   return more;
 }
 
+Hypothesis Hypothesis::WithSubsteps(int substeps) const {
+  Hypothesis finer = *this;
+  SetSubsteps(finer.nominal_, substeps);
+  return finer;
+}
+
 Hypothesis Hypothesis::WithStartFree(std::size_t record, const Registry& registry) const {
   Hypothesis more = *this;
   const PlantTraits& plant = registry.PlantOf(nominal_);

@@ -107,7 +107,8 @@ std::string ScenarioOf(Case& hidden, const Suite& suite, const fs::path& folder,
   const std::string file = (folder / "fitted.toml").string();
   fs::remove(file);
   const std::string command = fmt::format(
-      "{0} identify {1} --data {2}/record.csv --free {3} --starts 1 --out {4} >{2}/identify.txt 2>{2}/identify_err.txt",
+      "ulimit -t 100; {0} identify {1} --data {2}/record.csv --free {3} --starts 1 --out {4} >{2}/identify.txt "
+      "2>{2}/identify_err.txt",
       suite.program, hidden.scenario, folder.string(), fmt::join(FittedNumbers(plan.value(), dice), ","), file);
   if (std::system(command.c_str()) != 0 || !fs::exists(file)) return "";
   // What a change is relative to is now the fit's.
