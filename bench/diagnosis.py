@@ -2,6 +2,7 @@
 """The diagnosis on a fixed set of blind cases, and two results of it side by side, case by case.
 
   bench/diagnosis.py run build out.json [--jobs 2] [--share 0.1]   diagnoses the set; goes on where it was interrupted
+  bench/diagnosis.py run build out.json --inexact                  the same in worlds that no model matches
   bench/diagnosis.py compare before.json after.json                who changed, whether it can be chance, CPU seconds
 
 Two programs are told apart by the same cases, not by figures over other draws: of 300 cases some 10 change by a good step,
@@ -31,6 +32,7 @@ SET = [
     ("unknown", "independent", ["heavy_duty_lumped"], 30, 2806),
     ("pair", "reference", ALL, 30, 2807),
 ]
+INEXACT = [("effect", "inexact", ALL, 200, 3401), ("null", "inexact", ALL, 100, 3401)]
 DURATION_S = 1
 MOST_CPU_S = 300  # the goal for the longest case; what takes longer is stopped and counts as that
 
@@ -42,9 +44,9 @@ def key(case):
 def diagnose(build, kind, generator, scenarios, seed, number, folder):
     """One case as blind_suite tells it; None where the draw does not count."""
     out = pathlib.Path(folder) / f"{kind}_{seed}_{number}"
-    command = [f"{build}/tests/blind_suite", f"{build}/dynoproof", "--kind", kind, "--generator", generator, "--seed", str(seed),
-               "--number", str(number), "--cases", "1", "--duration", str(DURATION_S), "--most-cpu", str(MOST_CPU_S),
-               "--out", str(out), "--json", f"{out}.json"]
+    world = ["--inexact"] if generator == "inexact" else ["--generator", generator]
+    command = [f"{build}/tests/blind_suite", f"{build}/dynoproof", "--kind", kind, *world, "--seed", str(seed), "--number", str(number),
+               "--cases", "1", "--duration", str(DURATION_S), "--most-cpu", str(MOST_CPU_S), "--out", str(out), "--json", f"{out}.json"]
     for name in scenarios:
         command += ["--scenario", f"diagnose/{name}"]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -55,7 +57,7 @@ def diagnose(build, kind, generator, scenarios, seed, number, folder):
     return cases[0] | {"seed": seed} if cases else None
 
 
-def run(build, file, jobs, share):
+def run(build, file, jobs, share, specs):
     results = json.loads(file.read_text()) if file.exists() else {"cases": [], "not_counted": []}
     known = {key(case): case for case in results["cases"]}
     passed_over = set(results["not_counted"])
@@ -70,7 +72,7 @@ def run(build, file, jobs, share):
             os.replace(new.name, file)
 
         # Round about by parts, so that an interrupted run is a smaller set and not a lopsided one.
-        parts = [{"spec": spec, "next": 0, "left": math.ceil(share * spec[3])} for spec in SET]
+        parts = [{"spec": spec, "next": 0, "left": math.ceil(share * spec[3])} for spec in specs]
         running = {}
         while True:
             for part in sorted(parts, key=lambda p: -p["left"] / p["spec"][3]):
@@ -176,12 +178,14 @@ def main():
     one.add_argument("file", type=pathlib.Path, help="results; cases that it has already are kept")
     one.add_argument("--jobs", type=int, default=2)
     one.add_argument("--share", type=float, default=1.0, help="the first part of each kind only, 0 ... 1")
+    one.add_argument("--inexact", action="store_true", help="worlds that no model matches (tests/blind/inexact.h), in place of the set")
     two = commands.add_parser("compare")
     two.add_argument("before", type=pathlib.Path)
     two.add_argument("after", type=pathlib.Path)
     arguments = parser.parse_args()
     if arguments.command == "run":
-        run(os.path.abspath(arguments.build), arguments.file.resolve(), arguments.jobs, arguments.share)
+        run(os.path.abspath(arguments.build), arguments.file.resolve(), arguments.jobs, arguments.share,
+            INEXACT if arguments.inexact else SET)
     else:
         compare(arguments.before, arguments.after)
 
