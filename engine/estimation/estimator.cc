@@ -21,8 +21,7 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
 constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
 constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
-constexpr double kCentralStep =
-    1e-4;  // of a stiffness that is known to 1 %: it turns a mode by 1e-3 rad in 500 periods
+constexpr double kCentralStep = 1e-4;  // 1e-6 of a stiffness known to 1 %: a mode turns by 1e-3 rad in 500 periods
 
 /// One simulated point.
 struct Point {

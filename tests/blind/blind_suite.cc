@@ -179,6 +179,7 @@ int Run(const Suite& suite) {
     }
     const Columns clean = columns;
     if (suite.noise != 0.0) AddNoise(columns, hidden.noise, hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.5, dice);
+    Quantise(columns, hidden, sensors);
     const fs::path folder = fs::path(suite.out) / fmt::format("case_{}_{}", suite.seed, number);
     fs::create_directories(folder);
     Write(folder / "record.csv", columns);

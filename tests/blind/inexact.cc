@@ -125,10 +125,6 @@ void Sense(const std::string& name, std::vector<double>& values, double sigma, c
       v += share * state;
     }
   }
-  if (Has(hidden, "quantised")) {
-    const double step = sigma * dice.Uniform(2.0, 6.0);
-    for (double& v : values) v = step * std::round(v / step);
-  }
 }
 
 }  // namespace
@@ -195,6 +191,14 @@ void RecordInexactly(Columns& columns, Case& hidden, Dice& dice) {
     for (auto& [name, values] : columns.inputs) values = Thinned(values, rows, true);
     for (auto& [name, values] : columns.outputs) values = Thinned(values, rows, false);
     columns.time = Thinned(columns.time, rows, false);
+  }
+}
+
+void Quantise(Columns& columns, const Case& hidden, Dice& dice) {
+  if (!Has(hidden, "quantised")) return;
+  for (auto& [name, values] : columns.outputs) {
+    const double step = hidden.noise * score::StandardDeviation(values) * dice.Uniform(2.0, 6.0);
+    for (double& v : values) v = step * std::round(v / step);
   }
 }
 

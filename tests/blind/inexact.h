@@ -24,8 +24,10 @@ void MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice);
 /// The hidden Coulomb friction of `plan` as it is where it creeps before it slips, and changes with the angle.
 void LetCreep(Plan& plan, Case& hidden, Dice& dice);
 
-/// Changes what was recorded: `hum`, `filtered`, `quantised`, `drifting`, `coloured`, `noisy_input`, `decimated`.
+/// Changes what was recorded: `hum`, `filtered`, `drifting`, `coloured`, `noisy_input`, `decimated`.
 void RecordInexactly(Columns& columns, Case& hidden, Dice& dice);
+/// Rounds outputs to steps of two to six times their noise, which they have by then.
+void Quantise(Columns& columns, const Case& hidden, Dice& dice);
 
 /// Numbers of a plan that its owner has fitted to the record, by dotted path: three of its bodies, springs and volumes.
 std::vector<std::string> FittedNumbers(const Plan& plan, Dice& dice);

@@ -57,9 +57,16 @@ TEST(RecordInexactly, AFilterIsLateAndStandsForASensorsEffects) {
   EXPECT_LT(late, 1.1 * std::numbers::sqrt2 / (2.0 * std::numbers::pi * 50.0));
 }
 
-TEST(RecordInexactly, QuantisesToOneStep) {
-  const Made quantised = With("quantised");
-  std::set<double> values(quantised.columns.outputs.at("y").begin(), quantised.columns.outputs.at("y").end());
+TEST(Quantise, RoundsToOneStep) {
+  Columns columns = Sines();
+  Case hidden;
+  hidden.noise = 0.01;
+  Dice dice(1, 1);
+  Quantise(columns, hidden, dice);
+  EXPECT_EQ(columns.outputs, Sines().outputs);
+  hidden.inexact = {"quantised"};
+  Quantise(columns, hidden, dice);
+  const std::set<double> values(columns.outputs.at("y").begin(), columns.outputs.at("y").end());
   EXPECT_LT(values.size(), 150U);
   EXPECT_GT(values.size(), 30U);
 }
