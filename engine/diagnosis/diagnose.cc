@@ -356,7 +356,9 @@ class Pipeline {
   Result<Diagnosis> Report(Answer answer) {
     options_.progress("what it gains", 0.97);
     auto& [contest, settled] = answer;
-    for (const std::size_t i : settled.causes) {
+    std::vector<std::size_t> told = settled.causes;
+    if (settled.best) told.push_back(*settled.best);
+    for (const std::size_t i : told) {
       if (settled.exact)
         Polish(contest.contestants[i], contest.null(), levels_, settled.level, SubstepsOf(problem_.plan()));
     }
