@@ -59,7 +59,9 @@ def page(kept):
     lines = ["| what is inexact | effects | right | in a set | abstained | missed | wrong | nothing hidden | no name | near | "
              "false alarm | broken, stopped |", "|" + "---|" * 12]
     for what, words in WORDS.items():
-        lines.append(row(words, [case for case in cases if what in case["inexact"]]))
+        some = [case for case in cases if what in case["inexact"]]
+        if some:
+            lines.append(row(words, some))
     seconds = sorted(case["cpu_s"] for case in cases)
     return lines + [row("all", cases), "",
                     f"Program {kept['commit']}, {len(cases)} cases; CPU s a case: median {seconds[len(seconds) // 2]:.0f}, longest {seconds[-1]:.0f}."]
