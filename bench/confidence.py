@@ -108,11 +108,18 @@ def page(kept):
     return lines + ["", f"Program {kept['commit']}; cases by seed {seeds}."]
 
 
+def commit(text):
+    """A commit's abbreviated name, for argparse."""
+    if not re.fullmatch("[0-9a-f]{7,40}", text):
+        raise argparse.ArgumentTypeError(f"no commit: {text}")
+    return text
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     counting = commands.add_parser("count")
-    counting.add_argument("commit", type=lambda text: text if re.fullmatch("[0-9a-f]{7,40}", text) else parser.error(f"no commit: {text}"))
+    counting.add_argument("commit", type=commit)
     counting.add_argument("results", nargs="+")
     commands.add_parser("write")
     commands.add_parser("check")

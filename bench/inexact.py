@@ -9,12 +9,12 @@ A case with two things that are inexact stands in two rows, and once in the last
 import argparse
 import json
 import pathlib
-import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "ci"))
 import block  # noqa: E402
+import confidence  # noqa: E402
 
 FILE = ROOT / "bench/inexact.json"
 PAGE = ("engine/diagnosis/README.md", "inexact")
@@ -71,7 +71,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     keeping = commands.add_parser("keep")
-    keeping.add_argument("commit", type=lambda text: text if re.fullmatch("[0-9a-f]{7,40}", text) else parser.error(f"no commit: {text}"))
+    keeping.add_argument("commit", type=confidence.commit)
     keeping.add_argument("results", nargs="+")
     commands.add_parser("write")
     commands.add_parser("check")

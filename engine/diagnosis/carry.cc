@@ -21,7 +21,7 @@ using estimation::Fit;
 using estimation::Hypothesis;
 using estimation::Prediction;
 
-/// What a fit leaves beyond the noise, as a logarithm.
+/// The logarithm of the excess that a fit leaves beyond the noise.
 double Left(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
 
 /// Takes another fit at a level where that leaves less than the one there.

@@ -53,7 +53,7 @@ inline constexpr double kFarBehind = 3.0;
 /// A fit ends where its next step would lower the excess by less than this share: at a first look, and on the way through the
 /// levels. Models are told apart by shares of some hundredths.
 inline constexpr double kLookedAt = 1e-2, kCarriedTo = 1e-3;
-/// What a step would still take off the criterion of a cause that is told: its numbers then lie within a tenth of a standard
+/// The fit of a cause that is told ends where a step would lower the criterion by less than this: its numbers then lie within a tenth of a standard
 /// deviation of the minimum.
 inline constexpr double kNamedTo = 0.01;
 /// Where one candidate removes the one share of the excess, those that have removed no more than the other are not followed:

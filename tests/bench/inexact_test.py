@@ -40,7 +40,7 @@ class Page(unittest.TestCase):
 
     def test_every_kind_has_words(self):
         source = (inexact.ROOT / "tests/blind/inexact.cc").read_text()
-        drawn = source[source.index("void DrawInexact"):source.index("void MakeInexact")]
+        drawn = source[source.index("void DrawInexact"):source.index("bool MakeInexact")]
         for name in inexact.WORDS:
             self.assertIn(f'"{name}"', drawn)
 

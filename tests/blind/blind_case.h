@@ -50,6 +50,8 @@ struct Case {
   double inexact_size = 0.0;
   std::set<std::string> near;
   bool any_friction = false;  // every dry friction at the cause's place is the cause
+
+  bool IsInexactBy(const char* what) const { return std::find(inexact.begin(), inexact.end(), what) != inexact.end(); }
 };
 
 /// A case counts from here on.

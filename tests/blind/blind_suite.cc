@@ -98,10 +98,10 @@ bool Overwhelmed(const Case& hidden) {
   return !hidden.inexact.empty() && !hidden.causes.empty() && !(hidden.size >= kMain * hidden.inexact_size);
 }
 
-/// What the program is asked to diagnose: the scenario, or one whose numbers `identify` has fitted to the record; empty
+/// The scenario that the program is asked to diagnose, or one whose numbers `identify` has fitted to the record; empty
 /// where that failed.
 std::string ScenarioOf(Case& hidden, const Suite& suite, const fs::path& folder, Dice& dice) {
-  if (std::find(hidden.inexact.begin(), hidden.inexact.end(), "fitted") == hidden.inexact.end()) return hidden.scenario;
+  if (!hidden.IsInexactBy("fitted")) return hidden.scenario;
   Diagnostics diagnostics;
   const std::optional<Plan> plan = LoadPlan(FindScenarios(hidden.scenario, diagnostics).at(0), {}, diagnostics);
   const std::string file = (folder / "fitted.toml").string();
@@ -111,7 +111,7 @@ std::string ScenarioOf(Case& hidden, const Suite& suite, const fs::path& folder,
       "2>{2}/identify_err.txt",
       suite.program, hidden.scenario, folder.string(), fmt::join(FittedNumbers(plan.value(), dice), ","), file);
   if (std::system(command.c_str()) != 0 || !fs::exists(file)) return "";
-  // What a change is relative to is now the fit's.
+  // A relative change now refers to the fitted value, which nobody knows beforehand.
   for (Cause& cause : hidden.causes) {
     if (cause.effect.ends_with("_change")) cause.parameters.clear();
   }
@@ -171,12 +171,9 @@ int Run(const Suite& suite) {
       std::cerr << fmt::format("case {}: cannot be made: {}\n", number, error.what());
       continue;
     }
-    if (Overwhelmed(hidden)) continue;
     Dice sensors(suite.seed, number + 2 * kInexactDraws);
-    if (suite.inexact) {
-      RecordInexactly(columns, hidden, sensors);
-      if (Overwhelmed(hidden)) continue;
-    }
+    if (suite.inexact) RecordInexactly(columns, hidden, sensors);
+    if (Overwhelmed(hidden)) continue;
     const Columns clean = columns;
     if (suite.noise != 0.0) AddNoise(columns, hidden.noise, hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.5, dice);
     Quantise(columns, hidden, sensors);

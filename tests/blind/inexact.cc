@@ -13,10 +13,6 @@
 namespace dynoproof::blind {
 namespace {
 
-bool Has(const Case& hidden, const char* what) {
-  return std::find(hidden.inexact.begin(), hidden.inexact.end(), what) != hidden.inexact.end();
-}
-
 /// Friction as lubricated contacts have it: T = T_c (1 + e sin phi) tanh(w / w_c). It creeps under any torque, and
 /// changes with the angle.
 class Creeping : public Law {
@@ -103,21 +99,21 @@ std::vector<double> Thinned(const std::vector<double>& values, std::size_t rows,
 void Sense(const std::string& name, std::vector<double>& values, double sigma, const std::vector<double>& time,
            Case& hidden, Dice& dice) {
   const double period_s = time[1] - time[0];
-  if (Has(hidden, "filtered")) {
+  if (hidden.IsInexactBy("filtered")) {
     LowPass(values, dice.Uniform(0.05, 0.15));
     hidden.near.insert("output:" + name);
   }
-  if (Has(hidden, "hum")) {
+  if (hidden.IsInexactBy("hum")) {
     const double amplitude = sigma * dice.Uniform(1.0, 5.0), phase = dice.Uniform(-3.0, 3.0),
                  omega = 2.0 * std::numbers::pi * std::min(50.0, 0.2 / period_s) * dice.Uniform(0.99, 1.01);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += amplitude * std::sin(omega * time[i] + phase);
   }
-  if (Has(hidden, "drifting")) {
+  if (hidden.IsInexactBy("drifting")) {
     const double height = sigma * dice.Uniform(3.0, 10.0) * dice.Sign(), warm_s = time.back() * dice.Uniform(0.1, 0.5);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] -= height * std::expm1(-time[i] / warm_s);
     hidden.near.insert("output:" + name);
   }
-  if (Has(hidden, "coloured")) {
+  if (hidden.IsInexactBy("coloured")) {
     const double pole = dice.Uniform(0.9, 0.99), share = sigma * dice.Uniform(1.0, 2.0);
     double state = 0.0;
     for (double& v : values) {
@@ -146,13 +142,13 @@ void DrawInexact(Case& hidden, Dice& dice) {
   }
 }
 
-void MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice) {
-  if (Has(hidden, "absorber")) {
+bool MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice) {
+  if (hidden.IsInexactBy("absorber")) {
     const std::string body = OneOf(KeysAt(plan, "plant.inertia"), dice);
     HangOn(plan, body, dice);
     hidden.near.insert("inertia:" + body);
   }
-  if (Has(hidden, "soft_stop")) {
+  if (hidden.IsInexactBy("soft_stop")) {
     const std::string input = OneOf(KeysAt(plan, "input"), dice);
     double peak = 0.0;
     for (const double v : healthy.inputs.at(input)) peak = std::max(peak, std::abs(v));
@@ -160,6 +156,7 @@ void MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice) {
         Value::Array{Value({{"type", "soft_stop"}, {"limit", peak * dice.Uniform(1.5, 3.0)}})};
     hidden.near.insert("input:" + input);
   }
+  return hidden.IsInexactBy("absorber") || hidden.IsInexactBy("soft_stop");
 }
 
 void LetCreep(Plan& plan, Case& hidden, Dice& dice) {
@@ -179,13 +176,13 @@ void RecordInexactly(Columns& columns, Case& hidden, Dice& dice) {
   for (auto& [name, values] : columns.outputs)
     Sense(name, values, hidden.noise * score::StandardDeviation(values), columns.time, hidden, dice);
   hidden.inexact_size = std::max(hidden.inexact_size, SizeOf(columns, before, hidden.noise));
-  if (Has(hidden, "noisy_input")) {
+  if (hidden.IsInexactBy("noisy_input")) {
     for (auto& [name, values] : columns.inputs) {
       const double sigma = dice.Uniform(0.01, 0.03) * score::StandardDeviation(values);
       for (double& v : values) v += sigma * dice.Normal();
     }
   }
-  if (Has(hidden, "decimated")) {
+  if (hidden.IsInexactBy("decimated")) {
     const std::size_t rows = 2 + 2 * dice.Index(2);
     // What was held is best known by its mean over the time until the next row.
     for (auto& [name, values] : columns.inputs) values = Thinned(values, rows, true);
@@ -195,7 +192,7 @@ void RecordInexactly(Columns& columns, Case& hidden, Dice& dice) {
 }
 
 void Quantise(Columns& columns, const Case& hidden, Dice& dice) {
-  if (!Has(hidden, "quantised")) return;
+  if (!hidden.IsInexactBy("quantised")) return;
   for (auto& [name, values] : columns.outputs) {
     const double step = hidden.noise * score::StandardDeviation(values) * dice.Uniform(2.0, 6.0);
     for (double& v : values) v = step * std::round(v / step);

@@ -18,8 +18,8 @@ void DrawInexact(Case& hidden, Dice& dice);
 void RegisterInexact(Registry& registry);
 
 /// Changes the machine: `absorber` hangs a small mass on a spring at a body, `soft_stop` lets a drive give less and less
-/// near its limit. `healthy`: what was recorded before.
-void MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice);
+/// near its limit. `healthy`: the record before. Whether there was anything to change.
+bool MakeInexact(Plan& plan, const Columns& healthy, Case& hidden, Dice& dice);
 
 /// The hidden Coulomb friction of `plan` as it is where it creeps before it slips, and changes with the angle.
 void LetCreep(Plan& plan, Case& hidden, Dice& dice);

@@ -1,4 +1,4 @@
-// What a diagnosis' result is worth beside the truth, which is opened only then.
+// Compares the result of a diagnosis with the truth, which is opened only then.
 #pragma once
 
 #include <nlohmann/json.hpp>

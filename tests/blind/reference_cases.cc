@@ -225,9 +225,8 @@ std::optional<Columns> FromReference(Case& hidden, Dice& dice, double duration_s
   if (hidden.kind == "decoy" && dice.Uniform(0, 1) < 0.4 && plan->root["plant"]["type"].string() == "drive_line")
     plan->root["plant"]["initial_speed_rad_per_s"] = Value(dice.Uniform(-3.0, 3.0));
   Columns columns = Simulated(*plan, registry);
-  const bool creeps = std::find(hidden.inexact.begin(), hidden.inexact.end(), "creeping") != hidden.inexact.end();
-  if (!hidden.inexact.empty()) {
-    MakeInexact(*plan, columns, hidden, dice);
+  const bool creeps = hidden.IsInexactBy("creeping");
+  if (MakeInexact(*plan, columns, hidden, dice)) {
     Columns changed = Simulated(*plan, registry);
     hidden.inexact_size = SizeOf(changed, columns, hidden.noise);
     columns = std::move(changed);
