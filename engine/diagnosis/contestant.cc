@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/policy.h"
+#include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -84,6 +86,52 @@ const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels
   return leader;
 }
 
+bool NamesSomething(const Contestant& one, std::size_t level) {
+  constexpr double kThere = 1e-6, kNearTheUpper = 1e-3;  // coordinates: 1 is a start's size
+  if (!one.Holds(level)) return false;
+  const VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
+  const auto end = static_cast<Index>(one.hypothesis.of_effects());
+  const auto count = static_cast<Index>(one.effect().info().parameters.size());
+  bool acts = count == 0;
+  for (Index i = end - count; i < end; ++i) {
+    const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
+    const double q = one.levels[level].q[i];
+    const bool bound = q < lower[i] + kThere || q > upper[i] - std::min(kNearTheUpper, upper[i] - lower[i]);
+    const bool neutral = parameter.neutral && std::abs(q - parameter.CoordinateOf(*parameter.neutral)) < kThere;
+    if (bound && !neutral) return false;
+    acts = acts || !neutral;
+  }
+  return acts;
+}
+
+std::vector<Idle> IdleEffects(const Contestant& one, std::size_t level) {
+  const Estimate& fit = one.levels[level];
+  std::vector<Idle> idle;
+  Index begin = 0;
+  for (std::size_t k = 0; k < one.hypothesis.effects().size(); ++k) {
+    const auto count = static_cast<Index>(one.hypothesis.effects()[k].effect->info().parameters.size());
+    VectorXd acts(count);
+    for (Index i = 0; i < count; ++i) {
+      const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(begin + i)];
+      acts[i] = fit.q[begin + i] - (parameter.neutral ? parameter.CoordinateOf(*parameter.neutral)
+                                                      : std::numeric_limits<double>::infinity());
+    }
+    if (count > 0 && acts.allFinite()) {
+      const VectorXd along = fit.jacobian.middleCols(begin, count) * acts;
+      Eigen::MatrixXd others = fit.jacobian;
+      others.middleCols(begin, count).setZero();
+      const VectorXd follow =
+          dense::LeastSquares(estimation::HessianOf(others, one.hypothesis), others.transpose() * along);
+      if (along.dot(along - others * follow) < policy::kByChance) {
+        idle.push_back({k, fit.q + follow});
+        idle.back().q.segment(begin, count) -= acts;
+      }
+    }
+    begin += count;
+  }
+  return idle;
+}
+
 VectorXd StartFrom(const Hypothesis& hypothesis, const Hypothesis& other, const VectorXd& q) {
   return StartFrom(hypothesis, other, q, hypothesis.start());
 }
@@ -111,8 +159,8 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
   return estimate;
 }
 
-void Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps) {
-  if (!contestant.Holds(level)) return;
+bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps) {
+  if (!contestant.Holds(level)) return false;
   Hypothesis finer = contestant.hypothesis.WithSubsteps(substeps);
   // Kept columns do where the minimum is near. Along a curved valley each step needs its own.
   Eigen::VectorXd q = contestant.levels[level].q;
@@ -123,9 +171,10 @@ void Polish(Contestant& contestant, const Contestant& null, const Levels& levels
     q = again.q;
   }
   again = AsLoudAs(null, level, std::move(again));
-  if (!again.ok() || !IsExact(again)) return;
+  if (!again.ok() || !IsExact(again)) return false;
   contestant.levels[level] = std::move(again);
   contestant.hypothesis = std::move(finer);
+  return true;
 }
 
 void CountAsNoise(Contestant one, std::span<Contestant> all) {

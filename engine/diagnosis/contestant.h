@@ -43,6 +43,17 @@ double LogExcess(const std::vector<estimation::ChannelScale>& scales, const esti
 /// The share of the null's excess that a model removes at a level where both hold.
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
 
+/// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers
+/// may do nothing: friction that differs with direction may have no viscous part.
+bool NamesSomething(const Contestant& one, std::size_t level);
+/// An effect of a fitted model that could be left out, and where the other numbers then go, this effect doing nothing.
+struct Idle {
+  std::size_t effect = 0;
+  Eigen::VectorXd q;
+};
+/// Those without which the criterion would grow by no more than a number removes by chance, along the columns of the fit (Wald's test).
+std::vector<Idle> IdleEffects(const Contestant& one, std::size_t level);
+
 /// Weighs rows as a fit has weighed its innovations (estimator.h): over each channel's scale and the root of its correlation time.
 void WeighAs(const estimation::Estimate& estimate, const estimation::DataSet& data, Eigen::VectorXd& rows);
 
@@ -67,8 +78,9 @@ estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimat
 
 /// Fits a model that leaves nothing but noise to the minimum itself at a level, in the substeps that its scenario asks for. A contest
 /// ends its fits where what a step would still gain tells no model from another, up to a standard deviation before it, and
-/// simulates in substeps in which nobody sees the nominal model change, but a lag or a delay does.
-void Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps);
+/// simulates in substeps in which nobody sees the nominal model change, but a lag or a delay does. Whether the fit
+/// is exact there; otherwise nothing changes.
+bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps);
 
 /// From now on, of all of them, noise alone is at each level at least what this one leaves there, which is noise of some colour.
 void CountAsNoise(Contestant one, std::span<Contestant> all);

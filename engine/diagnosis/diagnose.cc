@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "diagnosis/changed_numbers.h"
 #include "diagnosis/contest.h"
@@ -291,6 +292,7 @@ class Pipeline {
 
   /// Once more with the cause in the model, for there may be several.
   Answer WithFurtherCauses(Answer answer) {
+    std::optional<Answer> before;
     for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
       const Contest& contest = answer.contest;
       std::vector<Base> bases;
@@ -304,19 +306,61 @@ class Pipeline {
       Result<Answer> next = Ask(null, contest.released, "with " + null.Name());
       if (!next.ok()) break;
       if (!Adds(answer, *next)) {
-        FoundLater(next->contest, *base, answer);
+        if (FoundLater(next->contest, *base, answer)) SettleAgain(answer);
         break;
       }
-      answer = *std::move(next);
+      before = std::exchange(answer, *std::move(next));
     }
-    return answer;
+    if (!before || !DoesWithout(answer, *before)) return answer;
+    SettleAgain(*before);
+    return *std::move(before);
+  }
+
+  /// Whether one effect fewer leaves nothing but noise, too: one that comes to nothing once all are fitted to the minimum itself has
+  /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
+  bool DoesWithout(Answer& answer, Answer& before) {
+    if (!answer.settled.exact || answer.settled.causes.size() != 1) return false;
+    const std::size_t level = answer.settled.level;
+    Contestant& all = answer.contest.contestants[answer.settled.causes.front()];
+    PolishAt(level, all, answer.contest.null());
+    const Contestant& null = before.contest.null();
+    for (const Idle& idle : IdleEffects(all, level)) {
+      auto others = all.hypothesis.effects();
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(idle.effect));
+      for (const auto& known : null.hypothesis.effects()) std::erase(others, known);
+      if (others.size() != 1) continue;
+      Contestant without(null.hypothesis.With(*others[0].effect, others[0].place, magnitudes_));
+      without.levels.resize(levels_.size());
+      for (estimation::Estimate& fit : without.levels) fit.broken = "not fitted";
+      without.levels[level] = all.levels[level];
+      without.levels[level].q = StartFrom(without.hypothesis, all.hypothesis, idle.q);
+      if (!PolishAt(level, without, null)) continue;
+      const Contestant both[] = {all, without};
+      if (Weights(both, levels_, level).Beats(0, 1)) continue;
+      auto& contestants = before.contest.contestants;
+      const auto same = std::ranges::find(contestants, without.Name(), &Contestant::Name);
+      if (same != contestants.end())
+        *same = std::move(without);
+      else
+        contestants.push_back(std::move(without));
+      return true;
+    }
+    return false;
+  }
+
+  bool PolishAt(std::size_t level, Contestant& one, const Contestant& null) {
+    return Polish(one, null, levels_, level, SubstepsOf(problem_.plan()));
   }
 
   /// A contest on top of a model may have found its minimum only now, from the values of one with an effect more, which adds nothing then.
-  void FoundLater(const Contest& later, std::size_t model, Answer& answer) {
+  bool FoundLater(const Contest& later, std::size_t model, Answer& answer) {
     const std::size_t level = levels_.free_run();
-    if (!later.null().Holds(level) || !IsExact(later.null().levels[level])) return;
+    if (!later.null().Holds(level) || !IsExact(later.null().levels[level])) return false;
     answer.contest.contestants[model].levels = later.null().levels;
+    return true;
+  }
+
+  void SettleAgain(Answer& answer) {
     answer.settled = SettledOn(answer.contest, false);
     Enter(answer.contest, answer.settled, "with what was found later");
   }
@@ -359,8 +403,7 @@ class Pipeline {
     std::vector<std::size_t> told = settled.causes;
     if (settled.best) told.push_back(*settled.best);
     for (const std::size_t i : told) {
-      if (settled.exact)
-        Polish(contest.contestants[i], contest.null(), levels_, settled.level, SubstepsOf(problem_.plan()));
+      if (settled.exact) PolishAt(settled.level, contest.contestants[i], contest.null());
     }
     result_.verdict = settled.verdict;
     result_.reason = settled.reason;

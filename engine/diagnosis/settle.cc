@@ -19,26 +19,6 @@ double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std:
   return ShareOf(contest.contestants[i], contest.null(), levels, level);
 }
 
-/// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers
-/// may do nothing: friction that differs with direction may have no viscous part.
-bool NamesSomething(const Contestant& one, std::size_t level) {
-  constexpr double kThere = 1e-6, kNearTheUpper = 1e-3;  // coordinates: 1 is a start's size
-  if (!one.Holds(level)) return false;
-  const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
-  const auto end = static_cast<Eigen::Index>(one.hypothesis.of_effects());
-  const auto count = static_cast<Eigen::Index>(one.effect().info().parameters.size());
-  bool acts = count == 0;
-  for (Eigen::Index i = end - count; i < end; ++i) {
-    const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
-    const double q = one.levels[level].q[i];
-    const bool bound = q < lower[i] + kThere || q > upper[i] - std::min(kNearTheUpper, upper[i] - lower[i]);
-    const bool neutral = parameter.neutral && std::abs(q - parameter.CoordinateOf(*parameter.neutral)) < kThere;
-    if (bound && !neutral) return false;
-    acts = acts || !neutral;
-  }
-  return acts;
-}
-
 /// How far nominal values are off: the sum of squares of their deviations, in standard deviations of their priors.
 double OffNominal(const Contestant& one, std::size_t level) {
   double sum = 0.0;
