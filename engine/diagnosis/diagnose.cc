@@ -31,6 +31,15 @@ struct Answer {
   Settled settled;
 };
 
+/// How many effects the first of an answer's causes has.
+std::size_t EffectsIn(const Answer& answer) {
+  return answer.contest.contestants[answer.settled.causes.front()].hypothesis.effects().size();
+}
+
+bool IsExactCause(const Answer& answer) {
+  return answer.contest.complete && answer.settled.exact && !answer.settled.causes.empty();
+}
+
 /// Whether an answer with a cause in the model says more than the one before. Where several causes stood side by side, only
 /// one of these, or a model that leaves nothing, tells that two of them are needed.
 bool Adds(const Answer& before, const Answer& next) {
@@ -115,23 +124,25 @@ double LeftMore(const estimation::Estimate& fit, const estimation::Estimate& oth
 /// The course of one diagnosis.
 class Pipeline {
  public:
-  Pipeline(const EstimationProblem& problem, Plan begun, Parts parts, const std::vector<MappedRecord>& data,
-           const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options)
-      : problem_(problem),
-        begun_(std::move(begun)),
-        parts_(std::move(parts)),
-        levels_(*parts_.training),
-        data_(data),
-        holdout_(holdout),
-        options_(options),
-        magnitudes_(MagnitudesOf(problem)),
-        saved_(options.out + "/diagnose_state.json", options.resume, problem.plan(), data),
-        given_(LeftOf(holdout.empty() ? begun_ : problem.plan(), *parts_.held_out)) {
-    result_.own_holdout = !holdout.empty();
-    if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
+  /// `spent`: simulations that others have taken of the budget.
+  static Result<std::unique_ptr<Pipeline>> Of(const Plan& plan, const std::vector<MappedRecord>& data,
+                                              const std::vector<MappedRecord>& holdout, const Registry& registry,
+                                              const DiagnoseOptions& options, double spent) {
+    identification::SearchContext context;
+    context.released = true;  // what was let go is told
+    auto problem = std::make_unique<EstimationProblem>(plan, data, registry, holdout.empty() ? kFittedShare : 1.0,
+                                                       std::move(context));
+    const Result<Plan> started = identification::FindStarts(*problem, plan);
+    const Plan begun = started.ok() ? *started : plan;
+    Result<Parts> parts = Split(begun, data, holdout, registry);
+    if (!parts.ok()) return parts.failure();
+    Plan searched = InFewerSubsteps(begun, *parts->training, registry);
+    return std::unique_ptr<Pipeline>(
+        new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, spent));
   }
 
-  Result<Diagnosis> Run() {
+  /// What explains the records; not told yet.
+  Result<Answer> Decide() {
     const Registry& registry = problem_.registry();
     Result<Answer> answer = Ask(NullOf(begun_, false, levels_, registry), false, Contest::Pass(false));
     if (!answer.ok()) return answer.failure();
@@ -142,7 +153,7 @@ class Pipeline {
       // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
       Contestant null = NullOf(begun_, true, levels_, registry);
       released_ = null;
-      if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return Report(*numbers);
+      if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return *std::move(numbers);
       Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
       if (released.ok() && released->contest.complete) {
         if (released->settled.verdict == Conclusion::kNoEffect) {
@@ -158,13 +169,71 @@ class Pipeline {
       }
     }
     if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
-    return Report(*answer);
+    return answer;
+  }
+
+  Result<Diagnosis> Report(Answer answer) {
+    options_.progress("what it gains", 0.97);
+    auto& [contest, settled] = answer;
+    std::vector<std::size_t> told = settled.causes;
+    if (settled.best) told.push_back(*settled.best);
+    for (const std::size_t i : told) {
+      if (settled.exact) PolishAt(settled.level, contest.contestants[i], contest.null());
+    }
+    if (!settled.causes.empty())
+      settled = AtTheEnd(std::move(settled), contest.contestants[settled.causes.front()].Name());
+    result_.verdict = settled.verdict;
+    result_.reason = settled.reason;
+    const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);
+    if (!alike.empty()) StandBeside(answer, alike);
+    if (Status failed = Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_,
+                                 alike, result_))
+      return *failed;
+    if (result_.verdict == Conclusion::kNoEffect)
+      result_.would_have_seen = SmallestSeen(contest.null(), levels_, magnitudes_, problem_.registry());
+    const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
+    result_.simulations = simulations();
+    if (!result_.search_complete)
+      result_.notes.push_back(fmt::format(
+          "the search has spent its budget, {:.0f} simulations of the data and {:.3g} s of CPU time: this is "
+          "what was reached by then; --most-simulations and --most-cpu let it go on",
+          result_.simulations, cpu_s));
+    std::vector<std::string> names;
+    for (const std::size_t i : settled.causes) names.push_back(contest.contestants[i].Name());
+    result_.journal.push_back(
+        {"verdict", std::move(names), settled.rule, {}, ToString(result_.verdict) + ": " + result_.reason});
+    options_.progress("done", 1.0);
+    return std::move(result_);
+  }
+
+  void Note(const std::string& text) { result_.notes.push_back(text); }
+  double simulations() const {
+    return spent_ + static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
   }
 
  private:
+  Pipeline(std::unique_ptr<EstimationProblem> problem, Plan begun, Parts parts, const std::vector<MappedRecord>& data,
+           const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options, double spent)
+      : owned_(std::move(problem)),
+        problem_(*owned_),
+        begun_(std::move(begun)),
+        parts_(std::move(parts)),
+        levels_(*parts_.training),
+        data_(data),
+        holdout_(holdout),
+        options_(options),
+        magnitudes_(MagnitudesOf(problem_)),
+        saved_(options.out + "/diagnose_state.json", options.resume, problem_.plan(), data),
+        given_(LeftOf(holdout.empty() ? begun_ : problem_.plan(), *parts_.held_out)),
+        spent_(spent) {
+    result_.own_holdout = !holdout.empty();
+    if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
+  }
+
   bool Spent() const {
     const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
-    return static_cast<double>(levels_.simulations()) >= options_.most_simulations || cpu_s >= options_.most_cpu_s;
+    return spent_ + static_cast<double>(levels_.simulations()) >= options_.most_simulations ||
+           cpu_s >= options_.most_cpu_s;
   }
 
   /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
@@ -397,45 +466,6 @@ class Pipeline {
     journal.push_back(std::move(cost));
   }
 
-  Result<Diagnosis> Report(Answer answer) {
-    options_.progress("what it gains", 0.97);
-    auto& [contest, settled] = answer;
-    std::vector<std::size_t> told = settled.causes;
-    if (settled.best) told.push_back(*settled.best);
-    for (const std::size_t i : told) {
-      if (settled.exact) PolishAt(settled.level, contest.contestants[i], contest.null());
-    }
-    result_.verdict = settled.verdict;
-    result_.reason = settled.reason;
-    // A first of several causes may explain little; what stands alone at the end and is called the main one explains half.
-    if (settled.verdict == Conclusion::kMainCause && !(settled.explains >= policy::kMainCause)) {
-      result_.verdict = Conclusion::kUnexplained;
-      result_.reason =
-          fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part",
-                      contest.contestants[settled.causes.front()].Name(), 100.0 * settled.explains);
-    }
-    const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);
-    if (!alike.empty()) StandBeside(answer, alike);
-    if (Status failed = Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_,
-                                 alike, result_))
-      return *failed;
-    if (result_.verdict == Conclusion::kNoEffect)
-      result_.would_have_seen = SmallestSeen(contest.null(), levels_, magnitudes_, problem_.registry());
-    const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
-    result_.simulations = static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
-    if (!result_.search_complete)
-      result_.notes.push_back(fmt::format(
-          "the search has spent its budget, {:.0f} simulations of the data and {:.3g} s of CPU time: this is "
-          "what was reached by then; --most-simulations and --most-cpu let it go on",
-          result_.simulations, cpu_s));
-    std::vector<std::string> names;
-    for (const std::size_t i : settled.causes) names.push_back(contest.contestants[i].Name());
-    result_.journal.push_back(
-        {"verdict", std::move(names), settled.rule, {}, ToString(result_.verdict) + ": " + result_.reason});
-    options_.progress("done", 1.0);
-    return std::move(result_);
-  }
-
   void StandBeside(const Answer& answer, const std::vector<std::string>& alike) {
     std::vector<std::string> names;
     for (const std::size_t i : answer.settled.causes) names.push_back(answer.contest.contestants[i].Name());
@@ -446,6 +476,7 @@ class Pipeline {
                                  fmt::join(names, ", "));
   }
 
+  std::unique_ptr<EstimationProblem> owned_;
   const EstimationProblem& problem_;
   Plan begun_;
   Parts parts_;
@@ -459,6 +490,7 @@ class Pipeline {
   std::vector<std::vector<HeldOut>>
       passes_;  // by contest for a first cause, of which one alone is near the best or far from it
   std::optional<Contestant> released_;
+  double spent_ = 0.0;
   int asked_ = 0;
   std::clock_t begun_at_ = std::clock();
   Diagnosis result_;
@@ -470,15 +502,30 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
   options.progress("levels", 0.0);
-  identification::SearchContext context;
-  context.released = true;  // what was let go is told
-  const EstimationProblem problem(plan, data, registry, holdout.empty() ? kFittedShare : 1.0, std::move(context));
-  const Result<Plan> started = identification::FindStarts(problem, plan);
-  const Plan begun = started.ok() ? *started : plan;
-  Result<Parts> parts = Split(begun, data, holdout, registry);
-  if (!parts.ok()) return parts.failure();
-  const Plan searched = InFewerSubsteps(begun, *parts->training, registry);
-  return Pipeline(problem, searched, *std::move(parts), data, holdout, options).Run();
+  const auto pipeline = Pipeline::Of(plan, data, holdout, registry, options, 0.0);
+  if (!pipeline.ok()) return pipeline.failure();
+  Result<Answer> answer = (*pipeline)->Decide();
+  if (!answer.ok()) return answer.failure();
+  const auto in_motion = [](const std::vector<MappedRecord>& some) {
+    return std::ranges::any_of(some, &MappedRecord::in_motion);
+  };
+  if (!IsExactCause(*answer) || !(in_motion(data) || in_motion(holdout)))
+    return (*pipeline)->Report(*std::move(answer));
+  // The nominal model has told that they begin in motion. A cause that acts from the first sample on looks like that, and starts that
+  // are fitted along hide where it sits. Where a model leaves nothing but noise from the scenario's own start, that is the plainer one.
+  std::vector<MappedRecord> at_rest = data, holdout_at_rest = holdout;
+  for (auto* some : {&at_rest, &holdout_at_rest}) {
+    for (MappedRecord& record : *some) record.in_motion = false;
+  }
+  const auto second = Pipeline::Of(plan, at_rest, holdout_at_rest, registry, options, (*pipeline)->simulations());
+  if (!second.ok()) return (*pipeline)->Report(*std::move(answer));
+  Result<Answer> plainer = (*second)->Decide();
+  if (plainer.ok() && IsExactCause(*plainer) && EffectsIn(*plainer) <= EffectsIn(*answer)) {
+    (*second)->Note(
+        "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
+    return (*second)->Report(*std::move(plainer));
+  }
+  return (*pipeline)->Report(*std::move(answer));
 }
 
 }  // namespace dynoproof::diagnosis

@@ -85,7 +85,7 @@ inline constexpr double kBothPredict = 0.9;
 /// Excess on data that took no part, over the least of all models, up to which a cause may be one; within a family the
 /// law with the fewest numbers within this of the best stands for it.
 inline constexpr double kMarginBest = 2.0, kMarginFamily = 1.5;
-/// Least share on training data that a cause may have at a level: below it makes things worse there.
+/// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
 
 }  // namespace dynoproof::diagnosis::policy

@@ -15,6 +15,7 @@ using nlohmann::json;
 std::string FingerprintOf(const Plan& plan, const std::vector<MappedRecord>& records) {
   std::string bytes = ToToml(plan.root);
   for (const MappedRecord& record : records) {
+    bytes += record.in_motion ? "in motion" : "";
     for (const auto* signals : {&record.inputs, &record.outputs}) {
       for (const auto& [name, series] : *signals) {
         for (const auto& values : {series.time, series.values})

@@ -231,8 +231,10 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
     const bool close = near(i, shorter) && near(i, longer(i));
     const double least_explained = std::min(explained(i, shorter), explained(i, longer(i)));
     const bool names = NamesSomething(all[i], shorter);
-    const bool in =
-        beats(i, 0) && most > policy::kShare && worst > policy::kHarm && close && least_explained >= wanted && names;
+    const bool harms = worst <= policy::kHarm || std::ranges::any_of(asked, [&](std::size_t level) {
+                         return level != levels.free_run() && explained(i, level) <= policy::kHarm;
+                       });
+    const bool in = beats(i, 0) && most > policy::kShare && !harms && close && least_explained >= wanted && names;
     if (in) admitted.push_back(i);
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
     for (const std::size_t level : asked) numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
@@ -242,6 +244,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
                                std::move(numbers),
                                in             ? "admitted"
                                : !beats(i, 0) ? "does not beat the nominal model"
+                               : harms        ? "makes it worse at a level"
                                : !close       ? "far from the best on data that took no part"
                                : !names       ? "a number is on its bound"
                                               : "too small a share"});
@@ -274,9 +277,10 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
     if (share > largest) largest = share, settled.best = i;
   }
   settled.best_explains = largest;
+  for (const std::size_t i : plain)
+    settled.explains = std::max(settled.explains, std::min(explained(i, shorter), explained(i, longer(i))));
   if (plain.size() == 1) {
     settled.verdict = Conclusion::kMainCause;
-    settled.explains = std::min(explained(plain[0], shorter), explained(plain[0], longer(plain[0])));
     settled.reason = fmt::format(
         "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
         "more than noise",
@@ -314,6 +318,15 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
                const std::vector<double>& least) {
   const std::optional<std::size_t> level = ExactLevel(contest, levels);
   return level ? SettleByWeights(contest, levels, held_out, *level) : SettleByShares(contest, levels, held_out, least);
+}
+
+Settled AtTheEnd(Settled settled, const std::string& first) {
+  if (settled.exact || settled.causes.empty() || settled.explains >= policy::kMainCause) return settled;
+  settled.verdict = Conclusion::kUnexplained;
+  settled.reason =
+      fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part", first,
+                  100.0 * settled.explains);
+  return settled;
 }
 
 }  // namespace dynoproof::diagnosis

@@ -24,7 +24,7 @@ struct Settled {
   std::vector<std::size_t> causes;  // of Contest::contestants: one, or those that cannot be told apart
   std::optional<std::size_t> best;  // that removes most, where no cause is named
   double best_explains = 0.0;       // the share of it on data that took no part
-  double explains = 0.0;            // the same of a main cause
+  double explains = 0.0;            // the same of a main cause, of several that stand side by side the most
   std::size_t level = 0;            // at which was compared
   bool exact = false;               // a model leaves nothing but noise there
   std::string rule, reason;
@@ -39,5 +39,9 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
 /// `held_out`: by contestant. `least`: the smallest over this and any other contest, by level.
 Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
                const std::vector<double>& least);
+
+/// The verdict where no further cause is looked for. A first of several causes may explain little; what stands at the end, alone or in
+/// a set, explains half of what is wrong on data that took no part, or leaves nothing but noise. `first`: name of the first cause.
+Settled AtTheEnd(Settled settled, const std::string& first);
 
 }  // namespace dynoproof::diagnosis

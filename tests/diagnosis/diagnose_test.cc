@@ -68,6 +68,18 @@ TEST(SlowDiagnose, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   EXPECT_TRUE(found.effects.empty());
 }
 
+/// What acts from the first sample on looks like motion to the nominal model.
+TEST(SlowDiagnose, TakesARecordForOneThatBeginsAtRestWhereItsCauseIsExactFromThere) {
+  const Diagnosis found =
+      DiagnosisOf(WithEffect(AsBuilt(Nominal()), "constant_load", "inertia:I5", {25.0}), 0.01, 0.0, true);
+  EXPECT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason << "\n" << ToText(found.journal);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "constant_load@inertia:I5");
+  EXPECT_TRUE(std::ranges::any_of(found.notes,
+                                  [](const std::string& note) { return note.find("own start") != std::string::npos; }));
+  EXPECT_TRUE(std::ranges::none_of(found.refitted, &Refitted::start)) << "no start is fitted";
+}
+
 // A sensor's offset is the same to the record, and would be named.
 TEST(SlowDiagnose, TakesAStartThatNoFirstSampleShows) {
   Plan turning = AsBuilt(Nominal());

@@ -196,6 +196,22 @@ TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   EXPECT_TRUE(nothing.causes.empty());
 }
 
+/// Alone or in a set: what takes a third of the error may be a first of two causes, and is no main one.
+TEST_F(SettleTest, AtTheEndACauseExplainsAHalf) {
+  const auto two_alike = [&](double held_out) {
+    return SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, held_out},
+                      {"sensor_gain", "output:T_shaft", 0.3, 0.0, held_out}});
+  };
+  EXPECT_EQ(AtTheEnd(two_alike(0.3), "first").verdict, Conclusion::kAmbiguous);
+  EXPECT_EQ(two_alike(0.7).verdict, Conclusion::kAmbiguous);
+  EXPECT_EQ(AtTheEnd(two_alike(0.7), "first").verdict, Conclusion::kUnexplained);
+  const Settled alone = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.7}, kFar});
+  EXPECT_EQ(alone.verdict, Conclusion::kMainCause);
+  EXPECT_EQ(AtTheEnd(alone, "first").verdict, Conclusion::kUnexplained);
+  const Settled exact = SettledOf({kTruth, kFar});
+  EXPECT_EQ(AtTheEnd(exact, "first").verdict, Conclusion::kEffectFound) << "it leaves nothing";
+}
+
 TEST_F(SettleTest, ARunThatBreaksOnOtherDataIsNoCause) {
   const Settled settled = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 1e300}});
   EXPECT_EQ(settled.verdict, Conclusion::kUnexplained) << settled.reason;
