@@ -11,6 +11,7 @@
 #include "diagnosis/contest.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/detection.h"
+#include "diagnosis/hum.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/policy.h"
 #include "diagnosis/second_look.h"
@@ -24,6 +25,7 @@ namespace dynoproof::diagnosis {
 namespace {
 
 constexpr int kMostCauses = 3;  // that are looked for one after the other
+constexpr int kMostHum = 3;     // searches that end with tones found
 
 /// Which effect on top of a null explains what that leaves.
 struct Answer {
@@ -121,13 +123,19 @@ double LeftMore(const estimation::Estimate& fit, const estimation::Estimate& oth
   return sum;
 }
 
+/// What came before a diagnosis of the same records.
+struct Before {
+  double simulations = 0.0;
+  std::vector<std::string> notes = {};
+  int took_hum_off = 0;  // times: what one tone has hidden may be another one
+};
+
 /// The course of one diagnosis.
 class Pipeline {
  public:
-  /// `spent`: simulations that others have taken of the budget.
   static Result<std::unique_ptr<Pipeline>> Of(const Plan& plan, const std::vector<MappedRecord>& data,
                                               const std::vector<MappedRecord>& holdout, const Registry& registry,
-                                              const DiagnoseOptions& options, double spent) {
+                                              const DiagnoseOptions& options, const Before& before) {
     identification::SearchContext context;
     context.released = true;  // what was let go is told
     auto problem = std::make_unique<EstimationProblem>(plan, data, registry, holdout.empty() ? kFittedShare : 1.0,
@@ -138,13 +146,16 @@ class Pipeline {
     if (!parts.ok()) return parts.failure();
     Plan searched = InFewerSubsteps(begun, *parts->training, registry);
     return std::unique_ptr<Pipeline>(
-        new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, spent));
+        new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, before));
   }
 
   /// What explains the records; not told yet.
   Result<Answer> Decide() {
     const Registry& registry = problem_.registry();
-    Result<Answer> answer = Ask(NullOf(begun_, false, levels_, registry), false, Contest::Pass(false));
+    Contestant nominal = NullOf(begun_, false, levels_, registry);
+    hum_ = HumBesides(nominal);
+    if (!hum_.empty()) return Answer{Contest(), Settled()};
+    Result<Answer> answer = Ask(std::move(nominal), false, Contest::Pass(false));
     if (!answer.ok()) return answer.failure();
     const Answer first = WithFurtherCauses(*answer);
     if (first.settled.exact) {
@@ -169,7 +180,19 @@ class Pipeline {
       }
     }
     if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
+    const Contestant* best = LeaderAt(answer->contest.contestants, levels_, levels_.free_run());
+    if (!answer->settled.exact && best != nullptr) hum_ = HumBesides(*best);
     return answer;
+  }
+
+  /// In what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise alone.
+  const std::vector<Hum>& hum() const { return hum_; }
+  /// The same in records of another run of the machine, by the model in which it was found.
+  std::vector<Hum> HumIn(const std::vector<MappedRecord>& others) const {
+    if (others.empty() || !left_by_) return {};
+    const EstimationProblem problem(problem_.plan(), others, problem_.registry());
+    const Result<Eigen::VectorXd> predicted = problem.PredictPlan(*left_by_);
+    return predicted.ok() ? FindHum(problem, problem.measured() - *predicted) : std::vector<Hum>();
   }
 
   Result<Diagnosis> Report(Answer answer) {
@@ -206,14 +229,13 @@ class Pipeline {
     return std::move(result_);
   }
 
-  void Note(const std::string& text) { result_.notes.push_back(text); }
   double simulations() const {
-    return spent_ + static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
+    return before_.simulations + static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
   }
 
  private:
   Pipeline(std::unique_ptr<EstimationProblem> problem, Plan begun, Parts parts, const std::vector<MappedRecord>& data,
-           const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options, double spent)
+           const std::vector<MappedRecord>& holdout, const DiagnoseOptions& options, const Before& before)
       : owned_(std::move(problem)),
         problem_(*owned_),
         begun_(std::move(begun)),
@@ -225,15 +247,26 @@ class Pipeline {
         magnitudes_(MagnitudesOf(problem_)),
         saved_(options.out + "/diagnose_state.json", options.resume, problem_.plan(), data),
         given_(LeftOf(holdout.empty() ? begun_ : problem_.plan(), *parts_.held_out)),
-        spent_(spent) {
+        before_(before) {
+    result_.notes = before.notes;
     result_.own_holdout = !holdout.empty();
     if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
   }
 
   bool Spent() const {
     const double cpu_s = static_cast<double>(std::clock() - begun_at_) / CLOCKS_PER_SEC;
-    return spent_ + static_cast<double>(levels_.simulations()) >= options_.most_simulations ||
+    return before_.simulations + static_cast<double>(levels_.simulations()) >= options_.most_simulations ||
            cpu_s >= options_.most_cpu_s;
+  }
+
+  /// In the free run; motion through a gap has none that would be worth looking at.
+  std::vector<Hum> HumBesides(const Contestant& one) {
+    const std::size_t free = levels_.free_run();
+    if (before_.took_hum_off >= kMostHum || PredictionWindow(begun_) || !one.Holds(free) || IsExact(one.levels[free]))
+      return {};
+    left_by_ = one.hypothesis.At(one.levels[free].q);
+    const Result<Eigen::VectorXd> predicted = problem_.PredictPlan(*left_by_);
+    return predicted.ok() ? FindHum(problem_, problem_.measured() - *predicted) : std::vector<Hum>();
   }
 
   /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
@@ -490,22 +523,39 @@ class Pipeline {
   std::vector<std::vector<HeldOut>>
       passes_;  // by contest for a first cause, of which one alone is near the best or far from it
   std::optional<Contestant> released_;
-  double spent_ = 0.0;
+  std::vector<Hum> hum_;
+  std::optional<Plan> left_by_;  // the model beside which hum was looked for
+  Before before_;
   int asked_ = 0;
   std::clock_t begun_at_ = std::clock();
   Diagnosis result_;
 };
 
-}  // namespace
+/// Whether records that passed for being in motion are so without their hum; where one is, all count as that.
+void LookForMotion(const Plan& plan, const Registry& registry, std::vector<MappedRecord>& records) {
+  const bool moves = std::ranges::any_of(records, [&](const MappedRecord& record) {
+    return record.in_motion && !identification::MotionAtStart({plan, {record}, registry}).empty();
+  });
+  for (MappedRecord& record : records) record.in_motion = moves;
+}
 
-Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
-                           const std::vector<MappedRecord>& holdout, const Registry& registry,
-                           const DiagnoseOptions& options) {
+Result<Diagnosis> DiagnoseFrom(const Plan& plan, const std::vector<MappedRecord>& data,
+                               const std::vector<MappedRecord>& holdout, const Registry& registry,
+                               const DiagnoseOptions& options, const Before& before) {
   options.progress("levels", 0.0);
-  const auto pipeline = Pipeline::Of(plan, data, holdout, registry, options, 0.0);
+  const auto pipeline = Pipeline::Of(plan, data, holdout, registry, options, before);
   if (!pipeline.ok()) return pipeline.failure();
   Result<Answer> answer = (*pipeline)->Decide();
   if (!answer.ok()) return answer.failure();
+  if (const std::vector<Hum>& hum = (*pipeline)->hum(); !hum.empty()) {
+    std::vector<MappedRecord> cleaned = data, others = holdout;
+    TakeOff(hum, cleaned);
+    TakeOff((*pipeline)->HumIn(holdout), others);
+    for (auto* some : {&cleaned, &others}) LookForMotion(plan, registry, *some);
+    Before next{(*pipeline)->simulations(), before.notes, before.took_hum_off + 1};
+    next.notes.push_back("hum that no model here makes is taken off the records: " + ToText(hum));
+    return DiagnoseFrom(plan, cleaned, others, registry, options, next);
+  }
   const auto in_motion = [](const std::vector<MappedRecord>& some) {
     return std::ranges::any_of(some, &MappedRecord::in_motion);
   };
@@ -517,15 +567,23 @@ Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& da
   for (auto* some : {&at_rest, &holdout_at_rest}) {
     for (MappedRecord& record : *some) record.in_motion = false;
   }
-  const auto second = Pipeline::Of(plan, at_rest, holdout_at_rest, registry, options, (*pipeline)->simulations());
+  Before next{(*pipeline)->simulations(), before.notes, true};
+  next.notes.push_back(
+      "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
+  const auto second = Pipeline::Of(plan, at_rest, holdout_at_rest, registry, options, next);
   if (!second.ok()) return (*pipeline)->Report(*std::move(answer));
   Result<Answer> plainer = (*second)->Decide();
-  if (plainer.ok() && IsExactCause(*plainer) && EffectsIn(*plainer) <= EffectsIn(*answer)) {
-    (*second)->Note(
-        "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
+  if (plainer.ok() && IsExactCause(*plainer) && EffectsIn(*plainer) <= EffectsIn(*answer))
     return (*second)->Report(*std::move(plainer));
-  }
   return (*pipeline)->Report(*std::move(answer));
+}
+
+}  // namespace
+
+Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
+                           const std::vector<MappedRecord>& holdout, const Registry& registry,
+                           const DiagnoseOptions& options) {
+  return DiagnoseFrom(plan, data, holdout, registry, options, {});
 }
 
 }  // namespace dynoproof::diagnosis

@@ -85,6 +85,9 @@ inline constexpr double kBothPredict = 0.9;
 /// Excess on data that took no part, over the least of all models, up to which a cause may be one; within a family the
 /// law with the fewest numbers within this of the best stands for it.
 inline constexpr double kMarginBest = 2.0, kMarginFamily = 1.5;
+/// A tone in what a model leaves is hum where it stands so many times above everything further off than this [Hz], and leaves at most this
+/// share of itself once it is taken off: noise has no such line, and a resonance is wider.
+inline constexpr double kHumAbove = 5.0, kBesideHum_hz = 5.0, kHumLeaves = 1.0 / 3.0;
 /// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
 

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "score/series.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -35,7 +37,18 @@ Plan AsBuilt(Plan plan) {
   return plan;
 }
 
-Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool in_motion = false) {
+/// What the sensors' leads add: a tone of 50.3 Hz, of so many times an output's spread.
+void Disturb(MappedRecord& record, double size) {
+  for (auto& [name, series] : record.outputs) {
+    std::vector<double> values = *series.values;
+    const double amplitude = size * score::StandardDeviation(values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] += amplitude * std::sin(2.0 * std::numbers::pi * 50.3 * (*series.time)[i]);
+    series.values = std::make_shared<const std::vector<double>>(std::move(values));
+  }
+}
+
+Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool in_motion = false, double hum = 0.0) {
   const Plan plan = Scenario(kScenario, {"run.duration_s=0.5"});
   DiagnoseOptions options;
   const fs::path folder = fs::temp_directory_path() / ("diagnose_" + std::to_string(::getpid()));
@@ -44,6 +57,7 @@ Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool i
   options.scenario_file = kScenario;
   MappedRecord record = RecordOf(truth, noise, {"T_shaft", "omega_1"}, 5, pole);
   record.in_motion = in_motion;
+  if (hum > 0.0) Disturb(record, hum);
   const Result<Diagnosis> result = Diagnose(plan, {record}, {}, testing::BuiltIns(), options);
   EXPECT_TRUE(result.ok()) << result.failure().ToString();
   fs::remove_all(folder);
@@ -66,6 +80,18 @@ TEST(SlowDiagnose, NamesNothingWhereTheLineTurnsAtTheStartAndNoiseIsColoured) {
   const Diagnosis found = DiagnosisOf(turning, 0.01, 0.9, true);
   EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason << "\n" << ToText(found.journal);
   EXPECT_TRUE(found.effects.empty());
+}
+
+TEST(SlowDiagnose, TakesHumOffBeforeItNamesACause) {
+  const Diagnosis nothing = DiagnosisOf(AsBuilt(Nominal()), 0.01, 0.0, false, 0.04);
+  EXPECT_EQ(nothing.verdict, Conclusion::kNoEffect) << nothing.reason << "\n" << ToText(nothing.journal);
+  const auto told = [](const std::string& note) { return note.find("50.3 Hz") != std::string::npos; };
+  EXPECT_TRUE(std::ranges::any_of(nothing.notes, told));
+  const Diagnosis cause =
+      DiagnosisOf(WithEffect(AsBuilt(Nominal()), "inertia_change", "inertia:I3", {0.08}), 0.01, 0.0, false, 0.04);
+  EXPECT_EQ(cause.verdict, Conclusion::kEffectFound) << cause.reason << "\n" << ToText(cause.journal);
+  ASSERT_EQ(cause.effects.size(), 1U);
+  EXPECT_EQ(cause.effects[0].name + "@" + cause.effects[0].at, "inertia_change@inertia:I3");
 }
 
 /// What acts from the first sample on looks like motion to the nominal model.

@@ -1,0 +1,93 @@
+// Hum in what a model leaves: found where it is, and not where a machine answers its inputs.
+#include "diagnosis/hum.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/random.h"
+#include "score/series.h"
+#include "tests/estimation/made_record.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+using estimation::RecordOf;
+using estimation::Scenario;
+using estimation::WithEffect;
+using identification::EstimationProblem;
+
+Plan Nominal() { return Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.7"}); }
+
+std::vector<Hum> FoundIn(const Plan& plan, const MappedRecord& record) {
+  const EstimationProblem problem(plan, {record}, testing::BuiltIns());
+  return FindHum(problem, problem.measured() - *problem.PredictPlan(plan));
+}
+
+/// Adds a tone to an output, of so many times its spread.
+void Disturb(MappedRecord& record, const std::string& output, double frequency_hz, double size) {
+  Series& series = record.outputs.at(output);
+  std::vector<double> values = *series.values;
+  const double amplitude = size * score::StandardDeviation(values);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] += amplitude * std::sin(2.0 * std::numbers::pi * frequency_hz * (*series.time)[i] + 0.4);
+  series.values = std::make_shared<const std::vector<double>>(std::move(values));
+}
+
+double Distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(a[i] - b[i], 2);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+TEST(Hum, IsFoundAndTakenOff) {
+  const Plan plan = Nominal();
+  const MappedRecord clean = RecordOf(plan, 0.01, {"T_shaft", "omega_1"});
+  MappedRecord record = clean;
+  Disturb(record, "T_shaft", 50.37, 0.03);
+  const std::vector<Hum> hum = FoundIn(plan, record);
+  ASSERT_EQ(hum.size(), 1U);
+  EXPECT_EQ(hum[0].signal, "T_shaft");
+  EXPECT_NEAR(hum[0].frequency_hz, 50.37, 0.03);
+  EXPECT_NEAR(hum[0].share, 0.03 / std::numbers::sqrt2, 1e-3);
+  std::vector<MappedRecord> cleaned = {record};
+  TakeOff(hum, cleaned);
+  const std::vector<double>& is = *cleaned[0].outputs.at("T_shaft").values;
+  EXPECT_LT(Distance(is, *clean.outputs.at("T_shaft").values), 1e-3 * score::StandardDeviation(is));
+  EXPECT_TRUE(FoundIn(plan, cleaned[0]).empty());
+}
+
+TEST(Hum, IsNoneInNoiseAlone) {
+  const Plan plan = Nominal();
+  EXPECT_TRUE(FoundIn(plan, RecordOf(plan, 0.01, {"T_shaft", "omega_1"})).empty());
+}
+
+/// A stiffness that is a twentieth off leaves its mode, which the input drives over some width.
+TEST(Hum, IsNoneWhereAModeIsElsewhere) {
+  const Plan plan = Nominal();
+  for (const char* shaft : {"shaft:k1", "shaft:k2", "shaft:k3", "shaft:k4"}) {
+    const Plan truth = WithEffect(plan, "stiffness_change", shaft, {0.05});
+    EXPECT_TRUE(FoundIn(plan, RecordOf(truth, 0.001, {"T_shaft", "omega_1"})).empty()) << shaft;
+  }
+}
+
+/// The third multiple of a sine is what a bent characteristic makes of it.
+TEST(Hum, IsNoneWhereASineDrives) {
+  const Plan plan =
+      Scenario("scenarios/diagnose/heavy_duty_lumped.toml",
+               {"run.duration_s=0.7",
+                "input.T_airgap.source={ type = \"sine_sum\", amplitudes = [800.0], frequencies_Hz = [40.0], "
+                "phases_rad = [0.0] }"});
+  MappedRecord record = RecordOf(plan, 0.001, {"T_shaft"});
+  for (const double multiple : {40.0, 120.0}) {
+    MappedRecord disturbed = record;
+    Disturb(disturbed, "T_shaft", multiple, 0.03);
+    EXPECT_TRUE(FoundIn(plan, disturbed).empty()) << multiple;
+  }
+  Disturb(record, "T_shaft", 50.0, 0.03);
+  EXPECT_EQ(FoundIn(plan, record).size(), 1U) << "beside its multiples";
+}
+
+}  // namespace
+}  // namespace dynoproof::diagnosis
