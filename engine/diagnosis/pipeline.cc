@@ -1,0 +1,408 @@
+#include "diagnosis/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/changed_numbers.h"
+#include "diagnosis/contest.h"
+#include "diagnosis/describe.h"
+#include "diagnosis/detection.h"
+#include "diagnosis/policy.h"
+#include "diagnosis/second_look.h"
+#include "diagnosis/settle.h"
+#include "diagnosis/weights.h"
+#include "identification/residual_tests.h"
+#include "identification/start.h"
+
+namespace dynoproof::diagnosis {
+namespace {
+
+constexpr int kMostCauses = 3;  // that are looked for one after the other
+
+/// Whether what a model leaves in its free run is noise, of whatever colour: independent of inputs and outputs, without lines
+/// and no echo of the machine. Differences of a record tell white noise alone.
+bool LeavesNoise(const EstimationProblem& problem, const Contestant& one, const Levels& levels) {
+  const std::size_t free = levels.free_run();
+  if (!one.Holds(free)) return false;
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(one.hypothesis.At(one.levels[free].q));
+  if (!predicted.ok()) return false;
+  const auto structure = identification::FindStructure(problem, problem.measured() - *predicted, *predicted);
+  return std::ranges::all_of(structure, [](const auto& of) { return of.tested && !of.found(); });
+}
+
+/// Twice the logarithm of the likelihood by which a fit is behind another one, each channel's rows counted by their correlation. Of
+/// starts alone, which the first block of rows shows and no other: leaving that out would tell nothing of them.
+double LeftMore(const estimation::Estimate& fit, const estimation::Estimate& other, const estimation::DataSet& data) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const double rows = static_cast<double>(data.channels()[c].count) / fit.scales[c].correlation;
+    sum += 2.0 * rows * std::log(fit.scales[c].rms / other.scales[c].rms);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Pipeline>> Pipeline::Of(const Plan& plan, const std::vector<MappedRecord>& data,
+                                               const std::vector<MappedRecord>& holdout, const Registry& registry,
+                                               const DiagnoseOptions& options, const Before& before) {
+  identification::SearchContext context;
+  context.released = true;  // what was let go is told
+  auto problem = std::make_unique<EstimationProblem>(plan, data, registry, holdout.empty() ? kFittedShare : 1.0,
+                                                     std::move(context));
+  const Result<Plan> started = identification::FindStarts(*problem, plan);
+  const Plan begun = started.ok() ? *started : plan;
+  Result<Parts> parts = Split(begun, data, holdout, registry);
+  if (!parts.ok()) return parts.failure();
+  Plan searched = InFewerSubsteps(begun, *parts->training, registry);
+  return std::unique_ptr<Pipeline>(
+      new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, before));
+}
+
+Result<Answer> Pipeline::Decide() {
+  const Registry& registry = problem_.registry();
+  Contestant nominal = NullOf(begun_, false, levels_, registry);
+  hum_ = HumBesides(nominal);
+  if (!hum_.empty()) return Answer{Contest(), Settled()};
+  Result<Answer> answer = Ask(std::move(nominal), false, Contest::Pass(false));
+  if (!answer.ok()) return answer.failure();
+  const Answer first = WithFurtherCauses(*answer);
+  if (first.settled.exact) {
+    answer = first;
+  } else if (!Spent()) {
+    // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
+    Contestant null = NullOf(begun_, true, levels_, registry);
+    released_ = null;
+    if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return *std::move(numbers);
+    Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
+    if (released.ok() && released->contest.complete) {
+      if (released->settled.verdict == Conclusion::kNoEffect) {
+        const auto far = FarFromPriors(released->contest.null(), answer->contest.null(), levels_);
+        if (!far.empty()) TellNumbers(far, released->settled);
+      }
+      if (!released->settled.exact)
+        answer->settled = Settle(answer->contest, levels_, passes_[0], LeastOf(passes_, levels_.size()));
+      if (released->settled.exact || answer->settled.causes.empty())
+        answer = WithFurtherCauses(*std::move(released));
+      else
+        answer = first;
+    }
+  }
+  if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
+  const Contestant* best = LeaderAt(answer->contest.contestants, levels_, levels_.free_run());
+  if (!answer->settled.exact && best != nullptr) hum_ = HumBesides(*best);
+  return answer;
+}
+
+std::vector<Hum> Pipeline::HumIn(const std::vector<MappedRecord>& others) const {
+  if (others.empty() || !left_by_) return {};
+  const EstimationProblem problem(problem_.plan(), others, problem_.registry());
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(*left_by_);
+  return predicted.ok() ? FindHum(problem, problem.measured() - *predicted) : std::vector<Hum>();
+}
+
+Result<Diagnosis> Pipeline::Report(Answer answer) {
+  options_.progress("what it gains", 0.97);
+  auto& [contest, settled] = answer;
+  std::vector<std::size_t> told = settled.causes;
+  if (settled.best) told.push_back(*settled.best);
+  for (const std::size_t i : told) {
+    if (settled.exact) PolishAt(settled.level, contest.contestants[i], contest.null());
+  }
+  if (!settled.causes.empty())
+    settled = AtTheEnd(std::move(settled), contest.contestants[settled.causes.front()].Name());
+  result_.verdict = settled.verdict;
+  result_.reason = settled.reason;
+  const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);
+  if (!alike.empty()) StandBeside(answer, alike);
+  if (Status failed =
+          Describe({problem_, begun_, data_, holdout_, options_}, levels_, contest, settled, released_, alike, result_))
+    return *failed;
+  if (result_.verdict == Conclusion::kNoEffect)
+    result_.would_have_seen = SmallestSeen(contest.null(), levels_, magnitudes_, problem_.registry());
+  const double cpu_s = static_cast<double>(std::clock() - before_.begun_at) / CLOCKS_PER_SEC;
+  result_.simulations = simulations();
+  if (!result_.search_complete)
+    result_.notes.push_back(
+        fmt::format("the search has spent its budget, {:.0f} simulations of the data and {:.3g} s of CPU time: this is "
+                    "what was reached by then; --most-simulations and --most-cpu let it go on",
+                    result_.simulations, cpu_s));
+  std::vector<std::string> names;
+  for (const std::size_t i : settled.causes) names.push_back(contest.contestants[i].Name());
+  result_.journal.push_back(
+      {"verdict", std::move(names), settled.rule, {}, ToString(result_.verdict) + ": " + result_.reason});
+  options_.progress("done", 1.0);
+  return std::move(result_);
+}
+
+double Pipeline::simulations() const {
+  return before_.simulations + static_cast<double>(levels_.simulations() + parts_.held_out->simulations());
+}
+
+Pipeline::Pipeline(std::unique_ptr<EstimationProblem> problem, Plan begun, Parts parts,
+                   const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+                   const DiagnoseOptions& options, const Before& before)
+    : owned_(std::move(problem)),
+      problem_(*owned_),
+      begun_(std::move(begun)),
+      parts_(std::move(parts)),
+      levels_(*parts_.training),
+      data_(data),
+      holdout_(holdout),
+      options_(options),
+      magnitudes_(MagnitudesOf(problem_)),
+      saved_(options.out + "/diagnose_state.json", options.resume, problem_.plan(), data),
+      given_(LeftOf(holdout.empty() ? begun_ : problem_.plan(), *parts_.held_out)),
+      before_(before) {
+  result_.notes = before.notes;
+  result_.own_holdout = !holdout.empty();
+  if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
+}
+
+bool Pipeline::Spent() const {
+  const double cpu_s = static_cast<double>(std::clock() - before_.begun_at) / CLOCKS_PER_SEC;
+  return before_.simulations + static_cast<double>(levels_.simulations()) >= options_.most_simulations ||
+         cpu_s >= options_.most_cpu_s;
+}
+
+std::vector<Hum> Pipeline::HumBesides(const Contestant& one) {
+  const std::size_t free = levels_.free_run();
+  if (before_.took_hum_off >= kMostHum || PredictionWindow(begun_) || !one.Holds(free) || IsExact(one.levels[free]))
+    return {};
+  left_by_ = one.hypothesis.At(one.levels[free].q);
+  const Result<Eigen::VectorXd> predicted = problem_.PredictPlan(*left_by_);
+  return predicted.ok() ? FindHum(problem_, problem_.measured() - *predicted) : std::vector<Hum>();
+}
+
+Settled Pipeline::SettledOn(const Contest& contest, bool first) {
+  std::vector<std::vector<HeldOut>> beside = {HeldOutOf(contest, *parts_.held_out, given_, !holdout_.empty())};
+  const std::vector<HeldOut> own = beside.front();
+  if (first) passes_.push_back(own), beside = passes_;
+  return Settle(contest, levels_, own, LeastOf(beside, levels_.size()));
+}
+
+Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& stage) {
+  const double from = 1.0 - std::pow(0.5, asked_++);
+  if (!null.Holds(levels_.free_run()) || !IsExact(null.levels[levels_.free_run()])) {
+    if (LeavesNoise(problem_, null, levels_)) CountAsNoise(null, {&null, 1});
+  }
+  const Conduct conduct{[&](double share) { options_.progress(stage, from + 0.5 * (1.0 - from) * share); },
+                        [&] { return Spent(); }, &saved_, stage};
+  Result<Contest> contest = Compete(std::move(null), released, levels_, magnitudes_, problem_.registry(), conduct);
+  if (!contest.ok()) return contest.failure();
+  Settled settled;
+  if (contest->complete) {
+    if (!ExactLevel(*contest, levels_)) {
+      const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
+      if (best != nullptr && LeavesNoise(problem_, *best, levels_)) CountAsNoise(*best, contest->contestants);
+    }
+    settled = SettledOn(*contest, contest->null().hypothesis.effects().empty());
+  } else {
+    result_.search_complete = false;
+    settled.level = contest->first;
+    settled.rule = "the search has spent its budget";
+    settled.reason = "the search ended before any effect was followed to the free run";
+  }
+  Enter(*contest, settled, stage);
+  return Answer{*std::move(contest), std::move(settled)};
+}
+
+std::optional<Answer> Pipeline::SeveralNumbers(const Contest& under_priors, const Contestant& released) {
+  if (!under_priors.complete) return {};
+  const Contestant& null = under_priors.null();
+  std::optional<Contestant> exact = ByNumbersAlone(null, released, levels_);
+  if (!exact) return {};
+  const auto far = FarFromPriors(*exact, null, levels_);
+  if (far.empty()) return {};
+  Contest contest = CompeteByChanges(under_priors, *exact, levels_, magnitudes_, problem_.registry(), kMostCauses);
+  Settled settled;
+  if (contest.contestants.size() > 1) {
+    settled = SettledOn(contest, false);
+  } else {
+    settled.rule = "the model's own numbers, let go together";
+    settled.level = levels_.free_run();
+    settled.exact = true;
+    TellNumbers(far, settled);
+    contest.released = true;
+    contest.contestants = {*std::move(exact)};
+  }
+  result_.journal.push_back(
+      {"numbers",
+       {"nominal model"},
+       "let go together they leave nothing but noise",
+       far,
+       settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name()});
+  Enter(contest, settled, "numbers let go together");
+  return Answer{std::move(contest), std::move(settled)};
+}
+
+void Pipeline::TellNumbers(const std::vector<std::pair<std::string, double>>& far, Settled& settled) {
+  std::vector<std::string> names;
+  for (const auto& [path, off] : far) names.push_back(path);
+  settled.verdict = Conclusion::kUnexplained;
+  settled.reason =
+      fmt::format("nominal values alone, far from their priors, leave nothing but noise: {}", fmt::join(names, ", "));
+}
+
+std::optional<Answer> Pipeline::BegunOtherwise(const Answer& answer) {
+  const auto& [contest, settled] = answer;
+  if (!settled.exact || settled.causes.empty() || !contest.null().hypothesis.effects().empty() || Spent()) return {};
+  const Plan begun = identification::WithStartsWritten(problem_, begun_);
+  const estimation::Hypothesis hypothesis = NullHypothesis(begun, contest.released, levels_, problem_.registry());
+  const std::size_t level = settled.level, numbers = hypothesis.parameters().size();
+  if (numbers == contest.null().hypothesis.parameters().size()) return {};
+  const Contestant& cause = contest.contestants[settled.causes.front()];
+  const auto fit_from = [&](const Contestant& other, const estimation::EstimatorOptions& how) {
+    const Eigen::VectorXd start = StartFrom(hypothesis, other.hypothesis, other.levels[level].q);
+    return estimation::Fit(hypothesis, levels_[level], start, how);
+  };
+  // A start moves a linear run along columns that do not change: where a few steps come nowhere near the noise, none does.
+  const Contestant& null = contest.null();
+  estimation::Estimate fit;
+  if (null.Holds(level)) {
+    const estimation::KnownColumns known{&null.hypothesis, &null.levels[level]};
+    fit =
+        fit_from(null, {.points = policy::kRoughPoints, .of_excess = policy::kLookedAt, .near = true, .known = known});
+  }
+  if (!null.Holds(level) || !fit.ok() || IsNearTheNoise(fit))
+    fit = fit_from(cause, {.renewals = 6, .of_excess = policy::kCarriedTo});
+  if (!fit.ok()) return {};
+  const double worse = LeftMore(fit, cause.levels[level], levels_.data());
+  const bool exact = IsExact(fit), stands = exact && worse < policy::kAsWell;
+  JournalEntry entry{"start",
+                     {cause.Name(), "nominal model, its start free"},
+                     "a start that no first sample shows, " + levels_.Name(level),
+                     {{"leaves_more", worse}},
+                     stands   ? "leaves nothing but noise, and is taken"
+                     : !exact ? "leaves more than noise"
+                              : "told apart"};
+  for (std::size_t i = 0; i < numbers; ++i) {
+    const estimation::Parameter& own = hypothesis.parameters()[i];
+    if (own.name.starts_with("of_record."))
+      entry.numbers.emplace_back(own.name, own.ValueAt(fit.q[static_cast<Eigen::Index>(i)]));
+  }
+  result_.journal.push_back(std::move(entry));
+  if (!stands) return {};
+  Contestant with_start = NullOf(begun, contest.released, levels_, problem_.registry());
+  with_start.levels[level] = fit;
+  Result<Answer> next = Ask(std::move(with_start), contest.released, "with a start of its own");
+  if (!next.ok() || !next->contest.complete) return {};
+  begun_ = begun;
+  return *std::move(next);
+}
+
+Answer Pipeline::WithFurtherCauses(Answer answer) {
+  std::optional<Answer> before;
+  for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
+    const Contest& contest = answer.contest;
+    std::vector<Base> bases;
+    if (!Spent() && contest.null().hypothesis.effects().empty()) {
+      const Conduct conduct{[](double) {}, [&] { return Spent(); }, &saved_, "pairs, " + contest.pass()};
+      bases = BasesOfPairs(contest, levels_, magnitudes_, problem_.registry(), conduct);
+    }
+    const std::optional<std::size_t> base = BaseOf(contest, answer.settled, bases, levels_, result_.journal);
+    if (!base || Spent()) break;
+    const Contestant& null = contest.contestants[*base];
+    Result<Answer> next = Ask(null, contest.released, "with " + null.Name());
+    if (!next.ok()) break;
+    if (!Adds(answer, *next)) {
+      if (FoundLater(next->contest, *base, answer)) SettleAgain(answer);
+      break;
+    }
+    before = std::exchange(answer, *std::move(next));
+  }
+  if (!before || !DoesWithout(answer, *before)) return answer;
+  SettleAgain(*before);
+  return *std::move(before);
+}
+
+bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
+  if (!answer.settled.exact || answer.settled.causes.size() != 1) return false;
+  const std::size_t level = answer.settled.level;
+  Contestant& all = answer.contest.contestants[answer.settled.causes.front()];
+  PolishAt(level, all, answer.contest.null());
+  const Contestant& null = before.contest.null();
+  for (const Idle& idle : IdleEffects(all, level)) {
+    auto others = all.hypothesis.effects();
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(idle.effect));
+    for (const auto& known : null.hypothesis.effects()) std::erase(others, known);
+    if (others.size() != 1) continue;
+    Contestant without(null.hypothesis.With(*others[0].effect, others[0].place, magnitudes_));
+    without.levels.resize(levels_.size());
+    for (estimation::Estimate& fit : without.levels) fit.broken = "not fitted";
+    without.levels[level] = all.levels[level];
+    without.levels[level].q = StartFrom(without.hypothesis, all.hypothesis, idle.q);
+    if (!PolishAt(level, without, null)) continue;
+    const Contestant both[] = {all, without};
+    if (Weights(both, levels_, level).Beats(0, 1)) continue;
+    auto& contestants = before.contest.contestants;
+    const auto same = std::ranges::find(contestants, without.Name(), &Contestant::Name);
+    if (same != contestants.end())
+      *same = std::move(without);
+    else
+      contestants.push_back(std::move(without));
+    return true;
+  }
+  return false;
+}
+
+bool Pipeline::PolishAt(std::size_t level, Contestant& one, const Contestant& null) {
+  return Polish(one, null, levels_, level, SubstepsOf(problem_.plan()));
+}
+
+bool Pipeline::FoundLater(const Contest& later, std::size_t model, Answer& answer) {
+  const std::size_t level = levels_.free_run();
+  if (!later.null().Holds(level) || !IsExact(later.null().levels[level])) return false;
+  answer.contest.contestants[model].levels = later.null().levels;
+  return true;
+}
+
+void Pipeline::SettleAgain(Answer& answer) {
+  answer.settled = SettledOn(answer.contest, false);
+  Enter(answer.contest, answer.settled, "with what was found later");
+}
+
+void Pipeline::Enter(const Contest& contest, const Settled& settled, const std::string& stage) {
+  JournalEntry base{"null model", {contest.null().Name()}, "RMS over what noise alone causes, " + stage, {}, ""};
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    const estimation::Estimate& fit = contest.null().levels[level];
+    double largest = 0.0;
+    for (const estimation::ChannelScale& scale : fit.scales) largest = std::max(largest, scale.rms / scale.noise_alone);
+    if (fit.ok())
+      base.numbers.emplace_back(levels_.Name(level), largest);
+    else
+      base.outcome += levels_.Name(level) + ": " + fit.broken + "; ";
+  }
+  JournalEntry looked{"first look",
+                      {},
+                      "share of what the null leaves, " + stage,
+                      {},
+                      fmt::format("{} are carried", contest.contestants.size() - 1)};
+  for (const auto* some : {&contest.contestants, &contest.left_behind}) {
+    for (const Contestant& one : *some) {
+      if (one.share > 0.0) looked.numbers.emplace_back(one.Name(), one.share);
+    }
+  }
+  JournalEntry cost{"simulations", {}, stage, {}, ""};
+  for (const Contest::Cost& one : contest.cost)
+    cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));
+  Journal& journal = result_.journal;
+  journal.push_back(std::move(base));
+  journal.push_back(std::move(looked));
+  journal.insert(journal.end(), settled.journal.begin(), settled.journal.end());
+  journal.push_back(std::move(cost));
+}
+
+void Pipeline::StandBeside(const Answer& answer, const std::vector<std::string>& alike) {
+  std::vector<std::string> names;
+  for (const std::size_t i : answer.settled.causes) names.push_back(answer.contest.contestants[i].Name());
+  names.insert(names.end(), alike.begin(), alike.end());
+  const bool few = names.size() <= policy::kMostAlike;
+  result_.verdict = few ? Conclusion::kAmbiguous : Conclusion::kUnexplained;
+  result_.reason = fmt::format("{}: {}", few ? "these records do not separate" : "too many leave nothing but noise",
+                               fmt::join(names, ", "));
+}
+
+}  // namespace dynoproof::diagnosis

@@ -1,0 +1,116 @@
+// One search for what explains records: the nominal model, contests on top of it and of each other, and what is told at the end.
+#pragma once
+
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/answer.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/hum.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/saved_points.h"
+
+namespace dynoproof::diagnosis {
+
+/// Searches of which each ends with hum that it has found.
+inline constexpr int kMostHum = 3;
+
+/// What came before a diagnosis of the same records.
+struct Before {
+  std::clock_t begun_at = std::clock();
+  double simulations = 0.0;
+  std::vector<std::string> notes = {};
+  int took_hum_off = 0;  // times: what one tone has hidden may be another one
+};
+
+class Pipeline {
+ public:
+  /// Fails where the nominal run breaks.
+  static Result<std::unique_ptr<Pipeline>> Of(const Plan& plan, const std::vector<MappedRecord>& data,
+                                              const std::vector<MappedRecord>& holdout, const Registry& registry,
+                                              const DiagnoseOptions& options, const Before& before);
+
+  /// What explains the records; not told yet.
+  Result<Answer> Decide();
+
+  /// In what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise alone.
+  const std::vector<Hum>& hum() const { return hum_; }
+  /// The same in records of another run of the machine, by the model in which it was found.
+  std::vector<Hum> HumIn(const std::vector<MappedRecord>& others) const;
+
+  /// Everything that is told of an answer; once.
+  Result<Diagnosis> Report(Answer answer);
+
+  /// Of all the data, with those of searches before.
+  double simulations() const;
+
+ private:
+  Pipeline(std::unique_ptr<identification::EstimationProblem> problem, Plan begun, Parts parts,
+           const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
+           const DiagnoseOptions& options, const Before& before);
+
+  bool Spent() const;
+
+  /// In the free run; motion through a gap has none that would be worth looking at.
+  std::vector<Hum> HumBesides(const Contestant& one);
+
+  /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
+  Settled SettledOn(const Contest& contest, bool first);
+
+  /// Which effect on top of a null explains what that leaves.
+  Result<Answer> Ask(Contestant null, bool released, const std::string& stage);
+
+  /// The answer where the model's own numbers, let go together, leave nothing but noise: which of them are wrong.
+  std::optional<Answer> SeveralNumbers(const Contest& under_priors, const Contestant& released);
+
+  /// A model that leaves nothing but noise by numbers that its priors rule out is not right as it is, and lacks no effect.
+  static void TellNumbers(const std::vector<std::pair<std::string, double>>& far, Settled& settled);
+
+  /// The answer where records may begin otherwise than the plan by what no first sample shows: asked where a cause leaves nothing but
+  /// noise, and where such a start does so too and is not beaten. Every record has some start, so that this is the plainer story.
+  std::optional<Answer> BegunOtherwise(const Answer& answer);
+
+  /// Once more with the cause in the model, for there may be several.
+  Answer WithFurtherCauses(Answer answer);
+
+  /// Whether one effect fewer leaves nothing but noise, too: one that comes to nothing once all are fitted to the minimum itself has
+  /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
+  bool DoesWithout(Answer& answer, Answer& before);
+
+  bool PolishAt(std::size_t level, Contestant& one, const Contestant& null);
+
+  /// A contest on top of a model may have found its minimum only now, from the values of one with an effect more, which adds nothing then.
+  bool FoundLater(const Contest& later, std::size_t model, Answer& answer);
+
+  void SettleAgain(Answer& answer);
+
+  void Enter(const Contest& contest, const Settled& settled, const std::string& stage);
+
+  void StandBeside(const Answer& answer, const std::vector<std::string>& alike);
+
+  std::unique_ptr<identification::EstimationProblem> owned_;
+  const identification::EstimationProblem& problem_;
+  Plan begun_;
+  Parts parts_;
+  const Levels& levels_;
+  const std::vector<MappedRecord>& data_;
+  const std::vector<MappedRecord>& holdout_;
+  const DiagnoseOptions& options_;
+  Magnitudes magnitudes_;
+  SavedPoints saved_;
+  HeldOut given_;  // what the plan as given leaves on data that took no part
+  std::vector<std::vector<HeldOut>>
+      passes_;  // by contest for a first cause, of which one alone is near the best or far from it
+  std::optional<Contestant> released_;
+  std::vector<Hum> hum_;
+  std::optional<Plan> left_by_;  // the model beside which hum was looked for
+  Before before_;
+  int asked_ = 0;
+  Diagnosis result_;
+};
+
+}  // namespace dynoproof::diagnosis
