@@ -55,6 +55,17 @@ Hum FittedTo(const std::vector<double>& time, const std::vector<double>& values,
   return hum;
 }
 
+/// Whether a tone is the same one in both halves of a course.
+bool IsSteady(const Hum& hum, const std::vector<double>& time, const std::vector<double>& values) {
+  const auto half = static_cast<std::ptrdiff_t>(time.size() / 2);
+  const Hum first = FittedTo({time.begin(), time.begin() + half}, {values.begin(), values.begin() + half},
+                             hum.frequency_hz),
+            second =
+                FittedTo({time.begin() + half, time.end()}, {values.begin() + half, values.end()}, hum.frequency_hz);
+  return std::hypot(first.sine - second.sine, first.cosine - second.cosine) <=
+         policy::kHumUnsteady * std::hypot(hum.sine, hum.cosine);
+}
+
 /// Whether a frequency is a multiple of that of an input which is a tone itself: a bent characteristic answers with these.
 bool IsOfAnInput(const MappedRecord& record, double frequency_hz) {
   return std::ranges::any_of(record.inputs, [&](const auto& input) {
@@ -85,6 +96,8 @@ std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const
     const std::optional<score::Tone> tone = LoneTone(spectrum);
     if (!tone || IsOfAnInput(problem.records()[channel.record], tone->frequency_hz)) continue;
     Hum hum = FittedTo(time, left, tone->frequency_hz);
+    hum.share = std::hypot(hum.sine, hum.cosine) / std::numbers::sqrt2 / std::max(channel.spread, 1e-300);
+    if (hum.share > policy::kMostHumShare || !IsSteady(hum, time, left)) continue;
     for (std::size_t i = 0; i < time.size(); ++i) left[i] -= hum.At(time[i]);
     // A resonance that is driven over some width leaves most of itself.
     const double stays =
@@ -92,7 +105,6 @@ std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const
     if (stays > policy::kHumLeaves * tone->amplitude) continue;
     hum.record = channel.record;
     hum.signal = channel.name;
-    hum.share = std::hypot(hum.sine, hum.cosine) / std::numbers::sqrt2 / std::max(channel.spread, 1e-300);
     all.push_back(hum);
   }
   return all;

@@ -21,8 +21,8 @@ struct Hum {
   double At(double time_s) const;
 };
 
-/// The hum in a residual [rows of the problem]: of each channel a tone above 5 Hz, constant over the record, that stands five times above
-/// everything further off than 5 Hz and leaves a third of itself at most where it was. Where an input is a tone itself, its
+/// The hum in a residual [rows of the problem]: of each channel a tone above 5 Hz, the same in both halves of the record, that stands five
+/// times above everything further off than 5 Hz, leaves a third of itself at most where it was, and is a fifth of the output at most. Where an input is a tone itself, its
 /// multiples are none. A channel whose steps are not equal has none.
 std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Eigen::VectorXd& residual);
 

@@ -86,8 +86,11 @@ inline constexpr double kBothPredict = 0.9;
 /// law with the fewest numbers within this of the best stands for it.
 inline constexpr double kMarginBest = 2.0, kMarginFamily = 1.5;
 /// A tone in what a model leaves is hum where it stands so many times above everything further off than this [Hz], and leaves at most this
-/// share of itself once it is taken off: noise has no such line, and a resonance is wider.
+/// share of itself once it is taken off, as a resonance does not that is driven over some width.
 inline constexpr double kHumAbove = 5.0, kBesideHum_hz = 5.0, kHumLeaves = 1.0 / 3.0;
+/// Its two halves differ by at most this share of it, as the ringing of a mode does not; and the largest share of an output's spread:
+/// what is larger is the machine. In an inexact world a mode at 1560 Hz was two thirds of a torque.
+inline constexpr double kHumUnsteady = 0.3, kMostHumShare = 0.2;
 /// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
 

@@ -72,6 +72,22 @@ TEST(Hum, IsNoneWhereAModeIsElsewhere) {
   }
 }
 
+TEST(Hum, IsNoneThatDiesAwayOrIsLarge) {
+  const Plan plan = Nominal();
+  MappedRecord record = RecordOf(plan, 0.001, {"T_shaft"}), large = record;
+  Series& series = record.outputs.at("T_shaft");
+  std::vector<double> values = *series.values;
+  const double amplitude = 0.05 * score::StandardDeviation(values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double t = (*series.time)[i];
+    values[i] += amplitude * std::exp(-t / 0.7) * std::sin(2.0 * std::numbers::pi * 150.0 * t);
+  }
+  series.values = std::make_shared<const std::vector<double>>(std::move(values));
+  EXPECT_TRUE(FoundIn(plan, record).empty()) << "it is less than half as large in the second half";
+  Disturb(large, "T_shaft", 150.0, 0.5);
+  EXPECT_TRUE(FoundIn(plan, large).empty());
+}
+
 /// The third multiple of a sine is what a bent characteristic makes of it.
 TEST(Hum, IsNoneWhereASineDrives) {
   const Plan plan =
