@@ -85,8 +85,11 @@ double Hum::At(double time_s) const {
   return sine * std::sin(phase) + cosine * std::cos(phase);
 }
 
-std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Eigen::VectorXd& residual) {
+std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Plan& plan) {
   std::vector<Hum> all;
+  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(plan);
+  if (!predicted.ok()) return all;
+  const Eigen::VectorXd residual = problem.measured() - *predicted;
   for (const identification::ComparedOutput& channel : problem.channels()) {
     const auto begin = problem.time_s().begin() + channel.begin;
     const std::vector<double> time(begin, begin + channel.count);

@@ -1,12 +1,12 @@
 // Hum: a tone in what a model leaves of an output, which no machine of the model's kind makes.
 #pragma once
 
-#include <Eigen/Dense>
 #include <string>
 #include <vector>
 
 #include "experiment/records.h"
 #include "identification/estimation_problem.h"
+#include "model/plan.h"
 
 namespace dynoproof::diagnosis {
 
@@ -21,10 +21,10 @@ struct Hum {
   double At(double time_s) const;
 };
 
-/// The hum in a residual [rows of the problem]: of each channel a tone above 5 Hz, the same in both halves of the record, that stands five
+/// The hum in what a plan leaves in its free run, nothing where that breaks: of each channel a tone above 5 Hz, the same in both halves of the record, that stands five
 /// times above everything further off than 5 Hz, leaves a third of itself at most where it was, and is a fifth of the output at most. Where an input is a tone itself, its
 /// multiples are none. A channel whose steps are not equal has none.
-std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Eigen::VectorXd& residual);
+std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Plan& plan);
 
 /// Takes it off the outputs, over their whole length.
 void TakeOff(const std::vector<Hum>& hum, std::vector<MappedRecord>& records);

@@ -98,9 +98,7 @@ Result<Answer> Pipeline::Decide() {
 
 std::vector<Hum> Pipeline::HumIn(const std::vector<MappedRecord>& others) const {
   if (others.empty() || !left_by_) return {};
-  const EstimationProblem problem(problem_.plan(), others, problem_.registry());
-  const Result<Eigen::VectorXd> predicted = problem.PredictPlan(*left_by_);
-  return predicted.ok() ? FindHum(problem, problem.measured() - *predicted) : std::vector<Hum>();
+  return FindHum({problem_.plan(), others, problem_.registry()}, *left_by_);
 }
 
 Result<Diagnosis> Pipeline::Report(Answer answer) {
@@ -172,8 +170,7 @@ std::vector<Hum> Pipeline::HumBesides(const Contestant& one) {
   if (before_.took_hum_off >= kMostHum || PredictionWindow(begun_) || !one.Holds(free) || IsExact(one.levels[free]))
     return {};
   left_by_ = one.hypothesis.At(one.levels[free].q);
-  const Result<Eigen::VectorXd> predicted = problem_.PredictPlan(*left_by_);
-  return predicted.ok() ? FindHum(problem_, problem_.measured() - *predicted) : std::vector<Hum>();
+  return FindHum(problem_, *left_by_);
 }
 
 Settled Pipeline::SettledOn(const Contest& contest, bool first) {

@@ -37,15 +37,16 @@ class Pipeline {
   /// What explains the records; not told yet.
   Result<Answer> Decide();
 
-  /// In what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise alone.
+  /// The hum in what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise
+  /// alone.
   const std::vector<Hum>& hum() const { return hum_; }
-  /// The same in records of another run of the machine, by the model in which it was found.
+  /// The hum in other records of the machine, beside the model with which it was found here.
   std::vector<Hum> HumIn(const std::vector<MappedRecord>& others) const;
 
   /// Everything that is told of an answer; once.
   Result<Diagnosis> Report(Answer answer);
 
-  /// Of all the data, with those of searches before.
+  /// The simulations of all the data, those of searches before among them.
   double simulations() const;
 
  private:
@@ -55,7 +56,7 @@ class Pipeline {
 
   bool Spent() const;
 
-  /// In the free run; motion through a gap has none that would be worth looking at.
+  /// The hum in what a model leaves in the free run; motion through a gap has no free run worth looking at.
   std::vector<Hum> HumBesides(const Contestant& one);
 
   /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.

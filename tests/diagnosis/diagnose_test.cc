@@ -8,11 +8,9 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <numbers>
 #include <string>
 #include <vector>
 
-#include "score/series.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -37,17 +35,6 @@ Plan AsBuilt(Plan plan) {
   return plan;
 }
 
-/// What the sensors' leads add: a tone of 50.3 Hz, of so many times an output's spread.
-void Disturb(MappedRecord& record, double size) {
-  for (auto& [name, series] : record.outputs) {
-    std::vector<double> values = *series.values;
-    const double amplitude = size * score::StandardDeviation(values);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] += amplitude * std::sin(2.0 * std::numbers::pi * 50.3 * (*series.time)[i]);
-    series.values = std::make_shared<const std::vector<double>>(std::move(values));
-  }
-}
-
 Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool in_motion = false, double hum = 0.0) {
   const Plan plan = Scenario(kScenario, {"run.duration_s=0.5"});
   DiagnoseOptions options;
@@ -57,7 +44,9 @@ Diagnosis DiagnosisOf(const Plan& truth, double noise, double pole = 0.0, bool i
   options.scenario_file = kScenario;
   MappedRecord record = RecordOf(truth, noise, {"T_shaft", "omega_1"}, 5, pole);
   record.in_motion = in_motion;
-  if (hum > 0.0) Disturb(record, hum);
+  for (const char* output : {"T_shaft", "omega_1"}) {
+    if (hum > 0.0) estimation::AddTone(record, output, 50.3, hum);
+  }
   const Result<Diagnosis> result = Diagnose(plan, {record}, {}, testing::BuiltIns(), options);
   EXPECT_TRUE(result.ok()) << result.failure().ToString();
   fs::remove_all(folder);

@@ -13,26 +13,15 @@
 namespace dynoproof::diagnosis {
 namespace {
 
+using estimation::AddTone;
 using estimation::RecordOf;
 using estimation::Scenario;
 using estimation::WithEffect;
-using identification::EstimationProblem;
 
 Plan Nominal() { return Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.7"}); }
 
 std::vector<Hum> FoundIn(const Plan& plan, const MappedRecord& record) {
-  const EstimationProblem problem(plan, {record}, testing::BuiltIns());
-  return FindHum(problem, problem.measured() - *problem.PredictPlan(plan));
-}
-
-/// Adds a tone to an output, of so many times its spread.
-void Disturb(MappedRecord& record, const std::string& output, double frequency_hz, double size) {
-  Series& series = record.outputs.at(output);
-  std::vector<double> values = *series.values;
-  const double amplitude = size * score::StandardDeviation(values);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] += amplitude * std::sin(2.0 * std::numbers::pi * frequency_hz * (*series.time)[i] + 0.4);
-  series.values = std::make_shared<const std::vector<double>>(std::move(values));
+  return FindHum({plan, {record}, testing::BuiltIns()}, plan);
 }
 
 double Distance(const std::vector<double>& a, const std::vector<double>& b) {
@@ -45,7 +34,7 @@ TEST(Hum, IsFoundAndTakenOff) {
   const Plan plan = Nominal();
   const MappedRecord clean = RecordOf(plan, 0.01, {"T_shaft", "omega_1"});
   MappedRecord record = clean;
-  Disturb(record, "T_shaft", 50.37, 0.03);
+  AddTone(record, "T_shaft", 50.37, 0.03);
   const std::vector<Hum> hum = FoundIn(plan, record);
   ASSERT_EQ(hum.size(), 1U);
   EXPECT_EQ(hum[0].signal, "T_shaft");
@@ -84,7 +73,7 @@ TEST(Hum, IsNoneThatDiesAwayOrIsLarge) {
   }
   series.values = std::make_shared<const std::vector<double>>(std::move(values));
   EXPECT_TRUE(FoundIn(plan, record).empty()) << "it is less than half as large in the second half";
-  Disturb(large, "T_shaft", 150.0, 0.5);
+  AddTone(large, "T_shaft", 150.0, 0.5);
   EXPECT_TRUE(FoundIn(plan, large).empty());
 }
 
@@ -98,10 +87,10 @@ TEST(Hum, IsNoneWhereASineDrives) {
   MappedRecord record = RecordOf(plan, 0.001, {"T_shaft"});
   for (const double multiple : {40.0, 120.0}) {
     MappedRecord disturbed = record;
-    Disturb(disturbed, "T_shaft", multiple, 0.03);
+    AddTone(disturbed, "T_shaft", multiple, 0.03);
     EXPECT_TRUE(FoundIn(plan, disturbed).empty()) << multiple;
   }
-  Disturb(record, "T_shaft", 50.0, 0.03);
+  AddTone(record, "T_shaft", 50.0, 0.03);
   EXPECT_EQ(FoundIn(plan, record).size(), 1U) << "beside its multiples";
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,6 +74,16 @@ inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<s
     for (const auto& [name, series] : *signals) record.step_s[name] = Seconds(rig->period);
   }
   return record;
+}
+
+/// Adds a tone to an output, with an amplitude of so many times its spread.
+inline void AddTone(MappedRecord& record, const std::string& output, double frequency_hz, double size) {
+  Series& series = record.outputs.at(output);
+  std::vector<double> values = *series.values;
+  const double amplitude = size * score::StandardDeviation(values);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] += amplitude * std::sin(2.0 * std::numbers::pi * frequency_hz * (*series.time)[i] + 0.4);
+  series.values = std::make_shared<const std::vector<double>>(std::move(values));
 }
 
 }  // namespace dynoproof::estimation
