@@ -77,6 +77,13 @@ TEST(Hum, IsNoneThatDiesAwayOrIsLarge) {
   EXPECT_TRUE(FoundIn(plan, large).empty());
 }
 
+/// Friction at a light body strikes a mode at 1560 Hz each time that it sticks or slips: a line as narrow as hum, not as steady.
+TEST(Hum, IsNoneWhereFrictionRings) {
+  const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=1.0"});
+  const Plan truth = WithEffect(plan, "coulomb_friction", "inertia:I4", {15.4});
+  EXPECT_TRUE(FoundIn(plan, RecordOf(truth, 0.004, {"T_shaft", "omega_1"})).empty());
+}
+
 /// The third multiple of a sine is what a bent characteristic makes of it.
 TEST(Hum, IsNoneWhereASineDrives) {
   const Plan plan =
