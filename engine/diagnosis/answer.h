@@ -1,4 +1,4 @@
-// What a contest has come to, and what can be said of that beside another one.
+// An answer is a contest with its verdict; here is how two answers compare, and which nominal values would answer as well.
 #pragma once
 
 #include <string>

@@ -92,7 +92,7 @@ Result<Answer> Pipeline::Decide() {
   }
   if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
   const Contestant* best = LeaderAt(answer->contest.contestants, levels_, levels_.free_run());
-  if (!answer->settled.exact && best != nullptr) hum_ = HumBesides(*best);
+  if (!answer->settled.exact && best != nullptr && !Spent()) hum_ = HumBesides(*best);
   return answer;
 }
 

@@ -38,7 +38,7 @@ class Pipeline {
   Result<Answer> Decide();
 
   /// The hum in what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise
-  /// alone.
+  /// alone and the budget lasts for another search.
   const std::vector<Hum>& hum() const { return hum_; }
   /// The hum in other records of the machine, beside the model with which it was found here.
   std::vector<Hum> HumIn(const std::vector<MappedRecord>& others) const;

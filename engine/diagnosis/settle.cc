@@ -220,6 +220,7 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
                ? levels.free_run()
                : levels.longest();
   };
+  const auto least_explained = [&](std::size_t i) { return std::min(explained(i, shorter), explained(i, longer(i))); };
   std::vector<std::size_t> admitted;
   for (std::size_t i = 1; i < all.size(); ++i) {
     double most = -1e300, worst = 1e300;
@@ -229,12 +230,11 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
       worst = std::min(worst, ShareAt(contest, levels, i, level));
     }
     const bool close = near(i, shorter) && near(i, longer(i));
-    const double least_explained = std::min(explained(i, shorter), explained(i, longer(i)));
     const bool names = NamesSomething(all[i], shorter);
     const bool harms = worst <= policy::kHarm || std::ranges::any_of(asked, [&](std::size_t level) {
                          return level != levels.free_run() && explained(i, level) <= policy::kHarm;
                        });
-    const bool in = beats(i, 0) && most > policy::kShare && !harms && close && least_explained >= wanted && names;
+    const bool in = beats(i, 0) && most > policy::kShare && !harms && close && least_explained(i) >= wanted && names;
     if (in) admitted.push_back(i);
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
     for (const std::size_t level : asked) numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
@@ -273,12 +273,11 @@ Settled SettleByShares(const Contest& contest, const Levels& levels, const std::
   settled.causes = plain;
   double largest = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i) {
-    const double share = std::min(explained(i, shorter), explained(i, longer(i)));
+    const double share = least_explained(i);
     if (share > largest) largest = share, settled.best = i;
   }
   settled.best_explains = largest;
-  for (const std::size_t i : plain)
-    settled.explains = std::max(settled.explains, std::min(explained(i, shorter), explained(i, longer(i))));
+  for (const std::size_t i : plain) settled.explains = std::max(settled.explains, least_explained(i));
   if (plain.size() == 1) {
     settled.verdict = Conclusion::kMainCause;
     settled.reason = fmt::format(

@@ -1,4 +1,4 @@
-// What a fitted model says of its effects' numbers.
+// Which effect a fitted model names, and which effects it could do without.
 #include "diagnosis/contestant.h"
 
 #include <gtest/gtest.h>

@@ -83,7 +83,7 @@ TEST(SlowDiagnose, TakesHumOffBeforeItNamesACause) {
   EXPECT_EQ(cause.effects[0].name + "@" + cause.effects[0].at, "inertia_change@inertia:I3");
 }
 
-/// What acts from the first sample on looks like motion to the nominal model.
+/// A load that acts from the first sample on looks to the nominal model like a record that begins in motion.
 TEST(SlowDiagnose, TakesARecordForOneThatBeginsAtRestWhereItsCauseIsExactFromThere) {
   const Diagnosis found =
       DiagnosisOf(WithEffect(AsBuilt(Nominal()), "constant_load", "inertia:I5", {25.0}), 0.01, 0.0, true);
