@@ -31,6 +31,8 @@ constexpr double kLeastShare = 1e-6, kMostShare = 10.0;
 constexpr int kShares = 29, kHalvings = 8;
 constexpr double kRemembered = 1e3;
 constexpr double kNotSeen = 1e-9;  // of what the outputs see most of
+// Periods for which is asked what outputs see: over a whole record a speed that turns a position outweighs all that swings.
+constexpr double kLooked = 100.0;
 
 /// Differences about frames of one run.
 class Differences {
@@ -230,6 +232,20 @@ std::pair<MatrixXd, MatrixXd> Over(int count, const MatrixXd& A, const MatrixXd&
   return {power, covariance};
 }
 
+/// LinearModel::seen, each output by its own size.
+MatrixXd SeenIn(const std::vector<LinearModel::Regime>& regimes) {
+  const Index n = regimes.front().A.rows();
+  if (n == 0) return MatrixXd(0, 0);
+  MatrixXd gramian = MatrixXd::Zero(n, n);
+  for (const LinearModel::Regime& regime : regimes) {
+    const VectorXd size = regime.C.rowwise().norm().cwiseMax(1e-300);
+    gramian +=
+        mechanics::Observability(regime.A, size.cwiseInverse().asDiagonal() * regime.C, std::exp(-1.0 / kLooked));
+  }
+  MatrixXd seen = mechanics::RangeOf(gramian);
+  return seen.cols() < n ? seen : MatrixXd::Identity(n, n);  // all of it: in the states' own coordinates
+}
+
 }  // namespace
 
 Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record, const Registry& registry) {
@@ -304,6 +320,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
     regime.G = (model.part.reduction * regime.G).eval();
     regime.C = (regime.C * model.part.basis).eval();
   }
+  model.seen = SeenIn(model.regimes);
   return model;
 }
 
@@ -339,6 +356,7 @@ Result<LinearModel> LinearModel::Reduced(const BuiltRun& whole, const BuiltRun& 
   if (Status failed = reduced.SeeThrough(whole)) return *failed;
   reduced.regimes = {{regimes.front().modes, part.reduction * scale.cwiseInverse().asDiagonal() * moved->first,
                       regimes.front().G, reduced.slopes.asDiagonal() * moved->second}};
+  reduced.seen = SeenIn(reduced.regimes);
   return reduced;
 }
 
@@ -357,7 +375,7 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   };
   const auto slowest = [&](const LinearModel::Regime& regime, double share) {
     const MatrixXd A = Over(stride_, regime.A, regime.G).first;
-    return periods * model.period_s * SlowestOf(A - A * filter_of(regime, share).gain * regime.C);
+    return periods * model.period_s * SlowestOf(model.Seen(A - A * filter_of(regime, share).gain * regime.C));
   };
   const auto share_at = [](double place) {
     return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
@@ -400,20 +418,21 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
 
 VectorXd Observer::NoiseAlone(const LinearModel& model, const VectorXd& white) const {
   const LinearModel::Regime& regime = model.regimes.front();
-  const MatrixXd A = Over(stride_, regime.A, regime.G).first;
+  const MatrixXd A = model.Seen(Over(stride_, regime.A, regime.G).first), C = regime.C * model.seen;
   const VectorXd kept = model.kept.array().pow(stride_), passed = 1.0 - kept.array();
-  const MatrixXd AK = A * gains_.front().reduced * slopes_.cwiseQuotient(model.slopes).asDiagonal();
+  const MatrixXd AK =
+      A * model.seen.transpose() * gains_.front().reduced * slopes_.cwiseQuotient(model.slopes).asDiagonal();
   // States: those of the model, the noise of the sample before, and what the lags hold. What corrects is the error behind
   // the inverse of a lag, (e - kept e-) / passed; what is compared has passed it.
   const Index n = A.rows(), m = white.size();
   MatrixXd L = MatrixXd::Zero(n + 2 * m, n + 2 * m), B = MatrixXd::Zero(n + 2 * m, m), H = MatrixXd::Zero(m, n + 2 * m);
-  L.topLeftCorner(n, n) = A - AK * regime.C;
+  L.topLeftCorner(n, n) = A - AK * C;
   L.block(0, n, n, m) = -AK * kept.cwiseQuotient(passed).asDiagonal();
-  L.block(n + m, 0, m, n) = passed.asDiagonal() * regime.C;
+  L.block(n + m, 0, m, n) = passed.asDiagonal() * C;
   L.block(n + m, n + m, m, m) = kept.asDiagonal();
   B.topRows(n) = AK * passed.cwiseInverse().asDiagonal();
   B.middleRows(n, m).setIdentity();
-  H.leftCols(n) = passed.asDiagonal() * regime.C;
+  H.leftCols(n) = passed.asDiagonal() * C;
   H.rightCols(m) = kept.asDiagonal();
   const MatrixXd covariance = mechanics::StationaryCovariance(L, B * white.cwiseAbs2().asDiagonal() * B.transpose());
   return ((H * covariance * H.transpose()).diagonal() + white.cwiseAbs2()).cwiseSqrt();
@@ -441,7 +460,7 @@ double MemoryFor(const LinearModel& model, double duration_s) {
   constexpr double kFewestSteps = 10.0, kMostOfRecord = 0.1;
   double period_s = 0.0, slowest_s = 0.0, forgets_s = 0.0;
   if (!model.regimes.empty() && model.part.basis.cols() > 0) {
-    for (const std::complex<double>& value : dense::Eigenvalues(model.regimes.front().A)) {
+    for (const std::complex<double>& value : dense::Eigenvalues(model.Seen(model.regimes.front().A))) {
       const double turn = std::abs(std::arg(value)), decay = -std::log(std::abs(value));
       const double constant_s = decay > 0.0 ? model.period_s / decay : std::numeric_limits<double>::infinity();
       forgets_s = std::max(forgets_s, constant_s);

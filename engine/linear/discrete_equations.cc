@@ -15,14 +15,25 @@ using Eigen::VectorXd;
 constexpr int kMostDoublings = 40;  // 1e12 periods: longer than any record
 constexpr double kSettled = 1e-13;  // relative change at which a doubling has nothing left to add
 
+constexpr double kSeen = 1e-12;  // power; amplitudes of 1e-6
+
 MatrixXd Symmetric(const MatrixXd& x) { return 0.5 * (x + x.transpose()); }
 
-/// F with F F' = X, without the directions below `least` of the largest eigenvalue.
-MatrixXd SquareRoot(const MatrixXd& x, double least) {
+/// The directions in which there is something, and how much, by its root: F = directions diag(roots) has F F' = X.
+struct Root {
+  MatrixXd directions;
+  VectorXd roots;
+};
+Root RootOf(const MatrixXd& x) {
   const auto [values, vectors] = dense::Symmetric(x);
-  const double limit = least * std::max(values.maxCoeff(), 0.0);
+  const double limit = kSeen * std::max(values.maxCoeff(), 0.0);
   const Index kept = (values.array() > limit).count();  // ascending: the last ones
-  return vectors.rightCols(kept) * values.tail(kept).cwiseSqrt().asDiagonal();
+  return {vectors.rightCols(kept), values.tail(kept).cwiseSqrt()};
+}
+
+MatrixXd SquareRoot(const MatrixXd& x) {
+  const Root root = RootOf(x);
+  return root.directions * root.roots.asDiagonal();
 }
 
 }  // namespace
@@ -55,12 +66,17 @@ StationaryFilter MakeStationaryFilter(const MatrixXd& A, const MatrixXd& C, cons
   return {innovation.ldlt().solve(C * h).transpose(), h};
 }
 
+MatrixXd Observability(const MatrixXd& A, const MatrixXd& C, double leak) {
+  return StationaryCovariance(leak * A.transpose(), C.transpose() * C);
+}
+
+MatrixXd RangeOf(const MatrixXd& gramian) { return RootOf(gramian).directions; }
+
 BalancedPart Balance(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, double leak, int most) {
-  constexpr double kSeen = 1e-12;  // power; amplitudes of 1e-6
   const MatrixXd faded = leak * A;
-  const MatrixXd moved = SquareRoot(StationaryCovariance(faded, B * B.transpose()), kSeen);
-  const MatrixXd observability = StationaryCovariance(faded.transpose(), C.transpose() * C);
-  const MatrixXd seen = SquareRoot(observability, kSeen);
+  const MatrixXd moved = SquareRoot(StationaryCovariance(faded, B * B.transpose()));
+  const MatrixXd observability = Observability(A, C, leak);
+  const MatrixXd seen = SquareRoot(observability);
   if (moved.cols() == 0 || seen.cols() == 0)
     return {MatrixXd(A.rows(), 0), MatrixXd(0, A.rows()), VectorXd::Zero(A.rows())};
   const auto [U, sizes, V] = dense::JacobiSvd(seen.transpose() * moved);

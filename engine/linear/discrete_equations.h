@@ -30,4 +30,9 @@ struct BalancedPart {
 BalancedPart Balance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& C, double leak,
                      int most);
 
+/// Observability Gramian of a system that forgets by `leak` a period, sum_k leak^2k A'^k C'C A^k [n x n].
+Eigen::MatrixXd Observability(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C, double leak);
+/// Orthonormal basis [n x s] of what a Gramian has more of than 1e-6 of the largest amplitude.
+Eigen::MatrixXd RangeOf(const Eigen::MatrixXd& gramian);
+
 }  // namespace dynoproof::mechanics

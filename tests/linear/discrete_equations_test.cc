@@ -60,5 +60,23 @@ TEST(DiscreteEquations, BalancingKeepsWhatIsMovedAndSeen) {
   EXPECT_EQ(Balance(a, b, c, 0.9999, 2).basis.cols(), 2);
 }
 
+TEST(DiscreteEquations, TheRangeOfAGramianIsWhatIsSeen) {
+  // One integrates the first and is not seen: no gain moves its eigenvalue, and in what is seen it is none.
+  MatrixXd a = MatrixXd::Zero(5, 5);
+  a.topLeftCorner(4, 4) = Oscillators();
+  a(4, 0) = 1.0, a(4, 4) = 1.0;
+  MatrixXd c = MatrixXd::Zero(1, 5);
+  c(0, 0) = 1.0, c(0, 2) = 1.0;
+  const MatrixXd seen = RangeOf(Observability(a, c, 0.99));
+  ASSERT_EQ(seen.cols(), 4);
+  EXPECT_LT((seen.transpose() * seen - MatrixXd::Identity(4, 4)).norm(), 1e-12);
+  MatrixXd whole = c, part = c * seen;
+  for (int k = 0; k < 50; ++k) {
+    EXPECT_LT((whole * seen - part).norm(), 1e-9) << k;
+    whole = (whole * a).eval();
+    part = (part * seen.transpose() * a * seen).eval();
+  }
+}
+
 }  // namespace
 }  // namespace dynoproof::mechanics
