@@ -46,6 +46,30 @@ std::size_t WithPlainerLaws(std::vector<Contestant>& ranked, std::size_t kept, s
   return kept;
 }
 
+/// A null that was let go has swallowed some of its missing effect: at the short memory of a first look another one may remove more of what
+/// is left. What was admitted beside the nominal values is compared in any case.
+std::size_t WithAdmitted(std::vector<Contestant>& ranked, std::size_t kept, std::span<const Contestant> admitted,
+                         const Contestant& null, const Levels& levels, std::size_t first,
+                         const Magnitudes& magnitudes) {
+  for (const Contestant& other : admitted) {
+    if (!other.Holds(first)) continue;
+    const Hypothesis model = null.hypothesis.With(other.effect(), other.place(), magnitudes);
+    const VectorXd from = StartFrom(model, other.hypothesis, other.levels[first].q);
+    Contestant again = FitOnce(model, from, null, levels, first, 2);
+    if (!again.Holds(first)) continue;
+    const auto known = std::ranges::find(ranked, again.Name(), &Contestant::Name);
+    const auto at = known - ranked.begin();
+    if (known == ranked.end())
+      ranked.push_back(std::move(again));
+    else if (again.share > known->share)
+      *known = std::move(again);
+    if (at < static_cast<std::ptrdiff_t>(kept)) continue;
+    std::rotate(ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.begin() + at, ranked.begin() + at + 1);
+    ++kept;
+  }
+  return kept;
+}
+
 }  // namespace
 
 Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
@@ -74,7 +98,7 @@ Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const R
 }
 
 Result<Contest> Compete(Contestant null, bool released, const Levels& levels, const Magnitudes& magnitudes,
-                        const Registry& registry, const Conduct& conduct) {
+                        const Registry& registry, const Conduct& conduct, std::span<const Contestant> admitted) {
   Contest contest;
   contest.released = released;
   std::int64_t counted = levels.simulations();
@@ -98,9 +122,10 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
   Looked looked = FirstLook(null, levels, contest.first, magnitudes, registry, part);
   std::vector<Contestant>& ranked = looked.ranked;
   contest.silent = std::move(looked.silent);
-  count("first look");
   std::size_t kept =
       std::min(null.hypothesis.effects().empty() ? policy::kCarried : policy::kCarriedOnTop, ranked.size());
+  kept = WithAdmitted(ranked, kept, admitted, null, levels, contest.first, magnitudes);
+  count("first look");
   kept = WithPlainerLaws(ranked, kept, contest.first);
   contest.contestants.push_back(std::move(null));
   for (std::size_t i = 0; i < ranked.size(); ++i)

@@ -2,6 +2,7 @@
 // dropped before it has been fitted once.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,9 @@ estimation::Hypothesis NullHypothesis(const Plan& plan, bool released, const Lev
 /// The same, fitted at every level.
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
 
-/// `magnitudes`: of the first record. Fails where the null breaks at every level.
+/// `magnitudes`: of the first record. `admitted`: models with one effect on top of the same plan that another pass has admitted; they are
+/// carried along, from the values to which they have come there. Fails where the null breaks at every level.
 Result<Contest> Compete(Contestant null, bool released, const Levels& levels, const Magnitudes& magnitudes,
-                        const Registry& registry, const Conduct& conduct);
+                        const Registry& registry, const Conduct& conduct, std::span<const Contestant> admitted = {});
 
 }  // namespace dynoproof::diagnosis

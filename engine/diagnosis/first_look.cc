@@ -28,17 +28,18 @@ std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size
   return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast, most);
 }
 
-/// A cheap fit at a level, and at as many as follow.
-Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null, const Levels& levels,
+}  // namespace
+
+Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Contestant& null, const Levels& levels,
                    std::size_t level, std::size_t count) {
-  Contestant contestant(candidate.hypothesis);
+  Contestant contestant(model);
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
   for (std::size_t at = level; at < std::min(level + count, levels.size()); ++at) {
     if (!null.Holds(at)) continue;
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
     contestant.levels[at] = AsLoudAs(null, at,
-                                     Fit(candidate.hypothesis, levels[at], from,
+                                     Fit(model, levels[at], from,
                                          {.iterations = 6,
                                           .renewals = at == level ? 4 : 1,  // at the next level it is near already
                                           .points = policy::kLookedAtPoints,
@@ -52,8 +53,6 @@ Contestant FitOnce(const Trial& candidate, VectorXd from, const Contestant& null
   for (Estimate& estimate : contestant.levels) estimate.DropRows();  // of some dozen candidates a few are fitted again
   return contestant;
 }
-
-}  // namespace
 
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
                  const Registry& registry, const Conduct& conduct, const Scope& scope) {
@@ -96,7 +95,7 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
   std::vector<std::optional<Contestant>> seen(order.size());
   in_parts(order.size(), kSketched, 1.0, [&](std::size_t i) {
     const Sketch& sketch = sketches[order[i]];
-    seen[i] = FitOnce(candidates[order[i]], sketch.q, null, levels, level, scope.levels);
+    seen[i] = FitOnce(candidates[order[i]].hypothesis, sketch.q, null, levels, level, scope.levels);
   });
   for (std::optional<Contestant>& one : seen) {
     if (one && (one->Holds(level) || (scope.levels > 1 && one->Holds(level + 1))))

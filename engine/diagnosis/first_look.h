@@ -31,4 +31,9 @@ struct Scope {
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
                  const Registry& registry, const Conduct& conduct, const Scope& scope = {});
 
+/// A cheap fit of a model on top of the null, from these values at `level` and at as many levels as follow up to `count`. Its rows are
+/// dropped.
+Contestant FitOnce(const estimation::Hypothesis& model, Eigen::VectorXd from, const Contestant& null,
+                   const Levels& levels, std::size_t level, std::size_t count);
+
 }  // namespace dynoproof::diagnosis

@@ -76,7 +76,9 @@ Result<Answer> Pipeline::Decide() {
     Contestant null = NullOf(begun_, true, levels_, registry);
     released_ = null;
     if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return *std::move(numbers);
-    Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true));
+    std::vector<Contestant> admitted;
+    for (const std::size_t i : answer->settled.causes) admitted.push_back(answer->contest.contestants[i]);
+    Result<Answer> released = Ask(std::move(null), true, Contest::Pass(true), admitted);
     if (released.ok() && released->contest.complete) {
       if (released->settled.verdict == Conclusion::kNoEffect) {
         const auto far = FarFromPriors(released->contest.null(), answer->contest.null(), levels_);
@@ -180,14 +182,16 @@ Settled Pipeline::SettledOn(const Contest& contest, bool first) {
   return Settle(contest, levels_, own, LeastOf(beside, levels_.size()));
 }
 
-Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& stage) {
+Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& stage,
+                             std::span<const Contestant> admitted) {
   const double from = 1.0 - std::pow(0.5, asked_++);
   if (!null.Holds(levels_.free_run()) || !IsExact(null.levels[levels_.free_run()])) {
     if (LeavesNoise(problem_, null, levels_)) CountAsNoise(null, {&null, 1});
   }
   const Conduct conduct{[&](double share) { options_.progress(stage, from + 0.5 * (1.0 - from) * share); },
                         [&] { return Spent(); }, &saved_, stage};
-  Result<Contest> contest = Compete(std::move(null), released, levels_, magnitudes_, problem_.registry(), conduct);
+  Result<Contest> contest =
+      Compete(std::move(null), released, levels_, magnitudes_, problem_.registry(), conduct, admitted);
   if (!contest.ok()) return contest.failure();
   Settled settled;
   if (contest->complete) {

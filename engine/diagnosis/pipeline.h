@@ -4,6 +4,7 @@
 #include <ctime>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,8 +63,9 @@ class Pipeline {
   /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
   Settled SettledOn(const Contest& contest, bool first);
 
-  /// Which effect on top of a null explains what that leaves.
-  Result<Answer> Ask(Contestant null, bool released, const std::string& stage);
+  /// Which effect on top of a null explains what that leaves. `admitted`: by another pass.
+  Result<Answer> Ask(Contestant null, bool released, const std::string& stage,
+                     std::span<const Contestant> admitted = {});
 
   /// The answer where the model's own numbers, let go together, leave nothing but noise: which of them are wrong.
   std::optional<Answer> SeveralNumbers(const Contest& under_priors, const Contestant& released);

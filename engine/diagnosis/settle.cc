@@ -78,6 +78,12 @@ bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::si
   return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
+/// Whether a model leaves far more than another one on data that took no part, and more than noise.
+bool LeavesFarMore(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t k, std::size_t level) {
+  const std::optional<LeftThere>&own = held_out[i][level], &other = held_out[k][level];
+  return own && other && !own->exact && own->log_excess > other->log_excess + std::log(policy::kMarginBest);
+}
+
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
   std::string text;
   for (const std::size_t i : which) text += (text.empty() ? "" : ", ") + contest.contestants[i].Name();
@@ -148,6 +154,10 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
       implausible.push_back(i);
   }
   std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });
+  const std::vector<std::size_t> alike_here = standing;
+  std::erase_if(standing, [&](std::size_t i) {
+    return std::ranges::any_of(alike_here, [&](std::size_t k) { return LeavesFarMore(held_out, i, k, level); });
+  });
   KeepPlainer(contest, standing, beats);
   std::ranges::stable_sort(standing, by_share);
   std::ranges::stable_sort(only_here, by_share);

@@ -142,6 +142,17 @@ TEST_F(SettleTest, OfTwoThatLeaveTheSameOneFarFromItsDataSheetIsImplausible) {
   EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
 }
 
+TEST_F(SettleTest, OfTwoThatLeaveTheSameOneThatPredictsOtherDataFarWorseIsNone) {
+  Left other{"sensor_gain", "output:T_shaft", 0.0, 0.0, 1.5 * kTruth.held_out};
+  EXPECT_EQ(SettledOf({kTruth, other}).verdict, Conclusion::kAmbiguous) << "half as much again is by chance";
+  other.held_out = 5.0 * kTruth.held_out;
+  const Settled settled = SettledOf({kTruth, other});
+  EXPECT_EQ(settled.verdict, Conclusion::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
+  other.at_noise_there = true;
+  EXPECT_EQ(SettledOf({kTruth, other}).verdict, Conclusion::kAmbiguous) << "there is nothing left to be worse by";
+}
+
 TEST_F(SettleTest, AnExactModelBesideASmallShareOfItsOwnIsNoCause) {
   // The null leaves hardly more than noise: what an effect removes of that is less than a fifth.
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.048, 0.0, 0.9}}, 0.05);
