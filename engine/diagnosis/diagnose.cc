@@ -44,12 +44,12 @@ Result<Diagnosis> DiagnoseFrom(const Plan& plan, const std::vector<MappedRecord>
   for (auto* some : {&at_rest, &holdout_at_rest}) {
     for (MappedRecord& record : *some) record.in_motion = false;
   }
-  Before next{before.begun_at, (*pipeline)->simulations(), before.notes, kMostHum};
+  Before next{before.begun_at, (*pipeline)->simulations(), before.notes};
   next.notes.push_back(
       "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
   const auto second = Pipeline::Of(plan, at_rest, holdout_at_rest, registry, options, next);
   if (!second.ok()) return (*pipeline)->Report(*std::move(answer));
-  Result<Answer> plainer = (*second)->Decide();
+  Result<Answer> plainer = (*second)->DecideAsPlainlyAs(*answer);
   if (plainer.ok() && IsExactCause(*plainer) && EffectsIn(*plainer) <= EffectsIn(*answer))
     return (*second)->Report(*std::move(plainer));
   return (*pipeline)->Report(*std::move(answer));

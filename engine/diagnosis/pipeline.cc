@@ -98,6 +98,16 @@ Result<Answer> Pipeline::Decide() {
   return answer;
 }
 
+Result<Answer> Pipeline::DecideAsPlainlyAs(const Answer& other) {
+  Result<Answer> answer = Ask(NullOf(begun_, false, levels_, problem_.registry()), false, Contest::Pass(false));
+  if (answer.ok() && EffectsIn(other) > 1) answer = WithFurtherCauses(*std::move(answer));
+  if (!answer.ok() || answer->settled.exact || !other.contest.released || Spent()) return answer;
+  released_ = NullOf(begun_, true, levels_, problem_.registry());
+  answer = Ask(*released_, true, Contest::Pass(true));
+  if (answer.ok() && EffectsIn(other) > 1) answer = WithFurtherCauses(*std::move(answer));
+  return answer;
+}
+
 std::vector<Hum> Pipeline::HumIn(const std::vector<MappedRecord>& others) const {
   if (others.empty() || !left_by_) return {};
   return FindHum({problem_.plan(), others, problem_.registry()}, *left_by_);

@@ -191,122 +191,153 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
 }
 
 /// Where no model does: shares on data that took no part.
-Settled SettleByShares(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
-                       const std::vector<double>& least) {
-  Settled settled;
-  const auto& all = contest.contestants;
-  // Three error models: one beats another where it does so at one level at least and is beaten at none.
-  settled.level = levels.corrected();
-  std::vector<std::optional<Weights>> weights(levels.size());
-  std::vector<std::size_t> asked;
-  for (std::size_t level = contest.first; level < levels.size(); ++level) {
-    if (!levels.IsSteppingStone(level)) asked.push_back(level);
+class Shares {
+ public:
+  Shares(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
+         const std::vector<double>& least)
+      : all_(contest.contestants), levels_(levels), held_out_(held_out), least_(least), contest_(contest) {
+    weights_.resize(levels.size());
+    for (std::size_t level = contest.first; level < levels.size(); ++level) {
+      if (levels.IsSteppingStone(level)) continue;
+      asked_.push_back(level);
+      weights_[level].emplace(contest.contestants, levels, level);
+    }
   }
-  for (const std::size_t level : asked) weights[level].emplace(contest.contestants, levels, level);
-  const auto beats = [&](std::size_t a, std::size_t b) {
+
+  Settled Settle() const {
+    Settled settled;
+    settled.level = Shorter();
+    settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + contest_.pass() + ")";
+    std::vector<std::size_t> admitted;
+    for (std::size_t i = 1; i < all_.size(); ++i) {
+      JournalEntry entry = Judged(i);
+      if (entry.outcome == kAdmitted) admitted.push_back(i);
+      settled.journal.push_back(std::move(entry));
+      if (const double share = LeastExplained(i); share > settled.best_explains)
+        settled.best_explains = share, settled.best = i;
+    }
+    settled.causes = Standing(std::move(admitted));
+    for (const std::size_t i : settled.causes) settled.explains = std::max(settled.explains, LeastExplained(i));
+    AddVerdict(settled);
+    return settled;
+  }
+
+ private:
+  static constexpr const char* kAdmitted = "admitted";
+
+  /// Three error models: one beats another where it does so at one level at least and is beaten at none.
+  bool Beats(std::size_t a, std::size_t b) const {
     bool wins = false;
-    for (const std::size_t level : asked) {
-      wins = wins || weights[level]->Beats(a, b);
-      if (weights[level]->Beats(b, a)) return false;
+    for (const std::size_t level : asked_) {
+      wins = wins || weights_[level]->Beats(a, b);
+      if (weights_[level]->Beats(b, a)) return false;
     }
     return wins;
-  };
-  const double wanted = contest.released ? policy::kHeldOutReleased : policy::kHeldOutPrior;
-  const auto held = [&](std::size_t i, std::size_t level) {
-    return held_out[i][level] ? held_out[i][level]->log_excess : std::numeric_limits<double>::infinity();
-  };
-  // E of a candidate beside the better of the plan as given (0) and the null.
-  const auto explained = [&](std::size_t i, std::size_t level) {
-    return 1.0 - std::exp(held(i, level) - std::min(0.0, held(0, level)));
-  };
-  const auto near = [&](std::size_t i, std::size_t level) {
-    return held(i, level) <= least[level] + std::log(policy::kMarginBest);
-  };
-  // Two error models are asked: a short memory, and as long a one as there is. The free run is that, but where an output
-  // accumulates whatever no model knows, as the position of an axis does: there the longest memory within the record.
-  const std::size_t shorter = levels.corrected();
-  const auto longer = [&](std::size_t i) {
-    return near(i, levels.free_run()) && explained(i, levels.free_run()) >= explained(i, levels.longest())
-               ? levels.free_run()
-               : levels.longest();
-  };
-  const auto least_explained = [&](std::size_t i) { return std::min(explained(i, shorter), explained(i, longer(i))); };
-  std::vector<std::size_t> admitted;
-  for (std::size_t i = 1; i < all.size(); ++i) {
+  }
+  /// What a model leaves there.
+  double Held(std::size_t i, std::size_t level) const {
+    return held_out_[i][level] ? held_out_[i][level]->log_excess : std::numeric_limits<double>::infinity();
+  }
+  /// E of a candidate beside the better of the plan as given and the null.
+  double Explained(std::size_t i, std::size_t level) const {
+    return 1.0 - std::exp(Held(i, level) - OfNull(held_out_, level));
+  }
+  bool Near(std::size_t i, std::size_t level) const {
+    return Held(i, level) <= least_[level] + std::log(policy::kMarginBest);
+  }
+  /// Two error models are asked: a short memory, and as long a one as there is. The free run is that, but where an output
+  /// accumulates whatever no model knows, as the position of an axis does: there the longest memory within the record.
+  std::size_t Shorter() const { return levels_.corrected(); }
+  std::size_t Longer(std::size_t i) const {
+    const std::size_t free = levels_.free_run(), longest = levels_.longest();
+    return Near(i, free) && Explained(i, free) >= Explained(i, longest) ? free : longest;
+  }
+  double LeastExplained(std::size_t i) const { return std::min(Explained(i, Shorter()), Explained(i, Longer(i))); }
+
+  /// Whether a candidate is admitted, and what it falls by else.
+  JournalEntry Judged(std::size_t i) const {
+    const double wanted = contest_.released ? policy::kHeldOutReleased : policy::kHeldOutPrior;
     double most = -1e300, worst = 1e300;
-    for (const std::size_t level : asked) {
-      if (!all[i].Holds(level) || !all[0].Holds(level)) continue;
-      most = std::max(most, ShareAt(contest, levels, i, level));
-      worst = std::min(worst, ShareAt(contest, levels, i, level));
+    for (const std::size_t level : asked_) {
+      if (!all_[i].Holds(level) || !all_[0].Holds(level)) continue;
+      most = std::max(most, ShareAt(contest_, levels_, i, level));
+      worst = std::min(worst, ShareAt(contest_, levels_, i, level));
     }
-    const bool close = near(i, shorter) && near(i, longer(i));
-    const bool names = NamesSomething(all[i], shorter);
-    const bool harms = worst <= policy::kHarm || std::ranges::any_of(asked, [&](std::size_t level) {
-                         return level != levels.free_run() && explained(i, level) <= policy::kHarm;
+    const bool harms = worst <= policy::kHarm || std::ranges::any_of(asked_, [&](std::size_t level) {
+                         return level != levels_.free_run() && Explained(i, level) <= policy::kHarm;
                        });
-    const bool in = beats(i, 0) && most > policy::kShare && !harms && close && least_explained(i) >= wanted && names;
-    if (in) admitted.push_back(i);
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
-    for (const std::size_t level : asked) numbers.emplace_back("held out, " + levels.Name(level), explained(i, level));
-    settled.journal.push_back({"comparison",
-                               {all[i].Name(), "nominal model"},
-                               "no model is exact, " + contest.pass(),
-                               std::move(numbers),
-                               in             ? "admitted"
-                               : !beats(i, 0) ? "does not beat the nominal model"
-                               : harms        ? "makes it worse at a level"
-                               : !close       ? "far from the best on data that took no part"
-                               : !names       ? "a number is on its bound"
-                                              : "too small a share"});
+    for (const std::size_t level : asked_)
+      numbers.emplace_back("held out, " + levels_.Name(level), Explained(i, level));
+    const char* outcome = !Beats(i, 0)                                 ? "does not beat the nominal model"
+                          : harms                                      ? "makes it worse at a level"
+                          : !Near(i, Shorter()) || !Near(i, Longer(i)) ? "far from the best on data that took no part"
+                          : !NamesSomething(all_[i], Shorter())        ? "a number is on its bound"
+                          : !(most > policy::kShare) || !(LeastExplained(i) >= wanted) ? "too small a share"
+                                                                                       : kAdmitted;
+    return {"comparison",
+            {all_[i].Name(), "nominal model"},
+            "no model is exact, " + contest_.pass(),
+            std::move(numbers),
+            outcome};
   }
-  // Within a family, laws of one place that act alike, the one with the fewest numbers that is not far from the best stands for
-  // it: the others beat it by what no model here explains.
-  const auto family = [&](std::size_t i) {
-    const std::string& own = all[i].effect().info().traits.family;
-    return (own.empty() ? all[i].effect().info().name : own) + "@" + all[i].place().ToString();
-  };
-  const auto numbers = [&](std::size_t i) { return all[i].effect().info().parameters.size(); };
-  std::vector<std::size_t> represented = admitted;
-  std::erase_if(represented, [&](std::size_t i) {
-    return std::ranges::any_of(admitted, [&](std::size_t k) {
-      return family(k) == family(i) && numbers(k) < numbers(i) &&
-             held(k, shorter) <= held(i, shorter) + std::log(policy::kMarginFamily);
+
+  /// Laws of one place that act alike.
+  std::string FamilyOf(std::size_t i) const {
+    const std::string& own = all_[i].effect().info().traits.family;
+    return (own.empty() ? all_[i].effect().info().name : own) + "@" + all_[i].place().ToString();
+  }
+
+  /// Of those that are admitted the ones that no other beats, the best first. Within a family the one with the fewest numbers that is
+  /// not far from the best stands for it: the others beat it by what no model here explains.
+  std::vector<std::size_t> Standing(std::vector<std::size_t> admitted) const {
+    const auto numbers = [&](std::size_t i) { return all_[i].effect().info().parameters.size(); };
+    std::vector<std::size_t> represented = admitted;
+    std::erase_if(represented, [&](std::size_t i) {
+      return std::ranges::any_of(admitted, [&](std::size_t k) {
+        return FamilyOf(k) == FamilyOf(i) && numbers(k) < numbers(i) &&
+               Held(k, Shorter()) <= Held(i, Shorter()) + std::log(policy::kMarginFamily);
+      });
     });
-  });
-  std::vector<std::size_t> plain;
-  for (const std::size_t i : represented) {
-    if (std::ranges::none_of(represented, [&](std::size_t k) { return k != i && beats(k, i); })) plain.push_back(i);
+    std::vector<std::size_t> plain;
+    for (const std::size_t i : represented) {
+      if (std::ranges::none_of(represented, [&](std::size_t k) { return k != i && Beats(k, i); })) plain.push_back(i);
+    }
+    KeepPlainer(contest_, plain, [&](std::size_t a, std::size_t b) { return Beats(a, b); });
+    std::ranges::stable_sort(plain,
+                             [&](std::size_t a, std::size_t b) { return Held(a, Shorter()) < Held(b, Shorter()); });
+    return plain;
   }
-  KeepPlainer(contest, plain, beats);
-  std::ranges::stable_sort(plain, [&](std::size_t a, std::size_t b) { return held(a, shorter) < held(b, shorter); });
-  settled.rule = "no model leaves nothing but noise; shares on data that took no part (" + contest.pass() + ")";
-  settled.causes = plain;
-  double largest = 0.0;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    const double share = least_explained(i);
-    if (share > largest) largest = share, settled.best = i;
+
+  void AddVerdict(Settled& settled) const {
+    const std::vector<std::size_t>& causes = settled.causes;
+    if (causes.size() == 1) {
+      settled.verdict = Conclusion::kMainCause;
+      settled.reason = fmt::format(
+          "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
+          "more than noise",
+          all_[causes[0]].Name(), 100.0 * Explained(causes[0], Shorter()));
+    } else if (!causes.empty() && causes.size() <= policy::kMostAlike) {
+      settled.verdict = Conclusion::kAmbiguous;
+      settled.reason = fmt::format("these records do not separate {}", Listed(contest_, causes));
+    } else if (!causes.empty()) {
+      settled.reason = fmt::format("{} effects explain alike: {}", causes.size(), Listed(contest_, causes));
+    } else {
+      settled.reason =
+          settled.best ? fmt::format("no effect explains enough; most removes {}, {:.0f} % on data that took no part",
+                                     all_[*settled.best].Name(), 100.0 * settled.best_explains)
+                       : "no effect makes the prediction better on data that took no part";
+    }
   }
-  settled.best_explains = largest;
-  for (const std::size_t i : plain) settled.explains = std::max(settled.explains, least_explained(i));
-  if (plain.size() == 1) {
-    settled.verdict = Conclusion::kMainCause;
-    settled.reason = fmt::format(
-        "{} explains {:.0f} % of what the model gets wrong on data that took no part; the rest is "
-        "more than noise",
-        all[plain[0]].Name(), 100.0 * explained(plain[0], shorter));
-  } else if (!plain.empty() && plain.size() <= policy::kMostAlike) {
-    settled.verdict = Conclusion::kAmbiguous;
-    settled.reason = fmt::format("these records do not separate {}", Listed(contest, plain));
-  } else if (plain.empty()) {
-    settled.reason = settled.best
-                         ? fmt::format("no effect explains enough; most removes {}, {:.0f} % on data that took no part",
-                                       all[*settled.best].Name(), 100.0 * largest)
-                         : "no effect makes the prediction better on data that took no part";
-  } else {
-    settled.reason = fmt::format("{} effects explain alike: {}", plain.size(), Listed(contest, plain));
-  }
-  return settled;
-}
+
+  const std::vector<Contestant>& all_;
+  const Levels& levels_;
+  const std::vector<HeldOut>& held_out_;
+  const std::vector<double>& least_;
+  const Contest& contest_;
+  std::vector<std::size_t> asked_;  // levels
+  std::vector<std::optional<Weights>> weights_;
+};
 
 }  // namespace
 
@@ -326,7 +357,7 @@ std::optional<std::size_t> ExactLevel(const Contest& contest, const Levels& leve
 Settled Settle(const Contest& contest, const Levels& levels, const std::vector<HeldOut>& held_out,
                const std::vector<double>& least) {
   const std::optional<std::size_t> level = ExactLevel(contest, levels);
-  return level ? SettleByWeights(contest, levels, held_out, *level) : SettleByShares(contest, levels, held_out, least);
+  return level ? SettleByWeights(contest, levels, held_out, *level) : Shares(contest, levels, held_out, least).Settle();
 }
 
 Settled AtTheEnd(Settled settled, const std::string& first) {
