@@ -37,8 +37,8 @@ class Pipeline {
 
   /// What explains the records; not told yet.
   Result<Answer> Decide();
-  /// What does so as plainly as another answer, by as many effects, with nominal values no freer; as far as it was asked where nothing
-  /// leaves nothing but noise.
+  /// An answer as plain as another one: by no more effects, and with nominal values let go only where that needed it. Where none leaves
+  /// nothing but noise, the last one that was found.
   Result<Answer> DecideAsPlainlyAs(const Answer& other);
 
   /// The hum in what the nominal model leaves, before any effect was asked for, or in what the best one leaves, where that is not noise

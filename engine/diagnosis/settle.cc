@@ -234,7 +234,7 @@ class Shares {
     }
     return wins;
   }
-  /// What a model leaves there.
+  /// The logarithm of the excess that a model leaves on data that took no part.
   double Held(std::size_t i, std::size_t level) const {
     return held_out_[i][level] ? held_out_[i][level]->log_excess : std::numeric_limits<double>::infinity();
   }
@@ -288,8 +288,8 @@ class Shares {
     return (own.empty() ? all_[i].effect().info().name : own) + "@" + all_[i].place().ToString();
   }
 
-  /// Of those that are admitted the ones that no other beats, the best first. Within a family the one with the fewest numbers that is
-  /// not far from the best stands for it: the others beat it by what no model here explains.
+  /// The admitted ones that no other beats, the best first. Within a family the one with the fewest numbers that is not far from
+  /// the best stands for it: the others beat it by what no model here explains.
   std::vector<std::size_t> Standing(std::vector<std::size_t> admitted) const {
     const auto numbers = [&](std::size_t i) { return all_[i].effect().info().parameters.size(); };
     std::vector<std::size_t> represented = admitted;

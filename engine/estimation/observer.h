@@ -28,10 +28,10 @@ struct LinearModel {
     Eigen::MatrixXd A, G, C;  // r x r, r x forces, outputs x r: one period of the part; outputs as if no sensor lagged
   };
   std::vector<Regime> regimes;  // the most visited first; at least one
-  /// Orthonormal [r x s]: what outputs see in a regime or another. No gain changes the rest, as the common speed of a line of
-  /// which a twist is measured.
+  /// Orthonormal basis of the part that outputs see in one regime or another [r x s]. No gain changes the rest, as the common speed of
+  /// a line of which a twist is measured.
   Eigen::MatrixXd seen;
-  /// What outputs see of x+ = A x [s x s].
+  /// A system matrix as outputs see it [s x s].
   Eigen::MatrixXd Seen(const Eigen::MatrixXd& A) const { return seen.transpose() * A * seen; }
 
   /// `record`: of a data set of `plan`. A rig that is linear is linearised once; another one along its free run, a median for
