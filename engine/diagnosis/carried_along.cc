@@ -15,17 +15,41 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using estimation::Hypothesis;
 
+/// Moves the one at `at` behind the first, which are then one more; where it is among them, nothing changes.
+std::size_t MoveInFront(std::vector<Contestant>& ranked, std::size_t kept, std::ptrdiff_t at) {
+  const auto end = static_cast<std::ptrdiff_t>(kept);
+  if (at < end) return kept;
+  std::rotate(ranked.begin() + end, ranked.begin() + at, ranked.begin() + at + 1);
+  return kept + 1;
+}
+
 /// Puts a fit among the first, in place of one of the same model that removes less.
-std::size_t InFront(std::vector<Contestant>& ranked, std::size_t kept, Contestant one) {
+std::size_t PutInFront(std::vector<Contestant>& ranked, std::size_t kept, Contestant one) {
   const auto known = std::ranges::find(ranked, one.Name(), &Contestant::Name);
   const auto at = known - ranked.begin();
   if (known == ranked.end())
     ranked.push_back(std::move(one));
   else if (one.share > known->share)
     *known = std::move(one);
-  if (at < static_cast<std::ptrdiff_t>(kept)) return kept;
-  std::rotate(ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.begin() + at, ranked.begin() + at + 1);
-  return kept + 1;
+  return MoveInFront(ranked, kept, at);
+}
+
+/// Coordinates of a model by those of another one of the same machine: the numbers of its last effect by those of the same name in the other
+/// model's effects, of which the last one counts, whatever law and place they are of.
+VectorXd StartByNumbersOf(const Contestant& other, const Hypothesis& model, std::size_t level) {
+  const VectorXd& known = other.levels[level].q;
+  VectorXd q = StartFrom(model, other.hypothesis, known);
+  const auto number = [](const estimation::Parameter& one) { return one.name.substr(one.name.rfind(' ') + 1); };
+  const std::size_t own = model.of_effects();
+  for (std::size_t k = own - model.effects().back().effect->info().parameters.size(); k < own; ++k) {
+    const estimation::Parameter& to = model.parameters()[k];
+    for (std::size_t n = 0; n < other.hypothesis.of_effects(); ++n) {
+      const estimation::Parameter& from = other.hypothesis.parameters()[n];
+      if (number(from) == number(to))
+        q[static_cast<Index>(k)] = to.CoordinateOf(from.ValueAt(known[static_cast<Index>(n)]));
+    }
+  }
+  return q;
 }
 
 }  // namespace
@@ -38,25 +62,9 @@ std::size_t WithPlainerLaws(std::vector<Contestant>& ranked, std::size_t kept, s
     });
     if (refines.empty() || plainer == ranked.end()) continue;
     const std::size_t level = ranked[i].Holds(first) ? first : first + 1;
-    if (plainer->Holds(level) && ranked[i].Holds(level) && plainer->share < ranked[i].share) {
-      const auto own = static_cast<std::ptrdiff_t>(plainer->hypothesis.of_effects());
-      VectorXd& q = plainer->levels[level].q;
-      q = StartFrom(plainer->hypothesis, ranked[i].hypothesis, ranked[i].levels[level].q);
-      const auto count = static_cast<std::ptrdiff_t>(plainer->effect().info().parameters.size());
-      for (std::ptrdiff_t k = own - count; k < own; ++k) {
-        const auto number = [](const estimation::Parameter& one) { return one.name.substr(one.name.rfind(' ') + 1); };
-        const estimation::Parameter& to = plainer->hypothesis.parameters()[static_cast<std::size_t>(k)];
-        const auto& others = ranked[i].hypothesis.parameters();
-        for (std::size_t n = 0; n < ranked[i].hypothesis.of_effects(); ++n) {
-          if (number(others[n]) == number(to))
-            q[k] = to.CoordinateOf(others[n].ValueAt(ranked[i].levels[level].q[static_cast<Index>(n)]));
-        }
-      }
-    }
-    if (plainer - ranked.begin() >= static_cast<std::ptrdiff_t>(kept)) {
-      std::rotate(ranked.begin() + static_cast<std::ptrdiff_t>(kept), plainer, plainer + 1);
-      ++kept;
-    }
+    if (plainer->Holds(level) && ranked[i].Holds(level) && plainer->share < ranked[i].share)
+      plainer->levels[level].q = StartByNumbersOf(ranked[i], plainer->hypothesis, level);
+    kept = MoveInFront(ranked, kept, plainer - ranked.begin());
   }
   return kept;
 }
@@ -66,8 +74,6 @@ std::size_t WithItsOtherPlaces(std::vector<Contestant>& ranked, std::size_t kept
   if (ranked.empty() || !ranked.front().Holds(first) || ranked.front().share < policy::kMost) return kept;
   const Contestant leader = ranked.front();
   const Effect& effect = leader.effect();
-  const auto own = static_cast<Index>(leader.hypothesis.of_effects()),
-             count = static_cast<Index>(effect.info().parameters.size());
   std::vector<std::pair<Hypothesis, VectorXd>> models;
   for (const Place& place : effect.Places(null.hypothesis.nominal())) {
     // A relative change is another one at another number.
@@ -76,20 +82,14 @@ std::size_t WithItsOtherPlaces(std::vector<Contestant>& ranked, std::size_t kept
     const Hypothesis model = null.hypothesis.With(effect, place, magnitudes);
     const auto known = std::ranges::find(ranked, model.Name(), &Contestant::Name);
     if (known - ranked.begin() < static_cast<std::ptrdiff_t>(kept)) continue;
-    VectorXd from = StartFrom(model, leader.hypothesis, leader.levels[first].q);
-    for (Index k = own - count; k < own; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double value = leader.hypothesis.parameters()[i].ValueAt(leader.levels[first].q[k]);
-      from[k] = model.parameters()[i].CoordinateOf(value);
-    }
-    models.emplace_back(model, std::move(from));
+    models.emplace_back(model, StartByNumbersOf(leader, model, first));
   }
   std::vector<std::optional<Contestant>> others(models.size());
   ParallelFor(models.size(), 0,
               [&](std::size_t i) { others[i] = FitOnce(models[i].first, models[i].second, null, levels, first, 2); });
   for (std::optional<Contestant>& other : others) {
     if (other->Holds(first) && 1.0 - other->share <= policy::kFarBehind * (1.0 - leader.share))
-      kept = InFront(ranked, kept, *std::move(other));
+      kept = PutInFront(ranked, kept, *std::move(other));
   }
   return kept;
 }
@@ -103,7 +103,7 @@ std::size_t WithAdmitted(std::vector<Contestant>& ranked, std::size_t kept, std:
     const VectorXd from = StartFrom(model, other.hypothesis, other.levels[first].q);
     Contestant again = FitOnce(model, from, null, levels, first, 2);
     if (!again.Holds(first)) continue;
-    kept = InFront(ranked, kept, std::move(again));
+    kept = PutInFront(ranked, kept, std::move(again));
   }
   return kept;
 }

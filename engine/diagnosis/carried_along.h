@@ -1,5 +1,5 @@
-// Who is carried from a first look beside those that remove most there: of `ranked`, the best first, the first `kept`. Each function moves
-// others in front of the rest and gives how many are carried then. `first`: the level of the look.
+// A contest carries on the first `kept` candidates of its first look, which `ranked` holds with the best one first. Each function here adds
+// candidates to them and returns the new number; the others move back. `first`: the level of the look.
 #pragma once
 
 #include <span>

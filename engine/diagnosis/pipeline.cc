@@ -99,13 +99,15 @@ Result<Answer> Pipeline::Decide() {
 }
 
 Result<Answer> Pipeline::DecideAsPlainlyAs(const Answer& other) {
-  Result<Answer> answer = Ask(NullOf(begun_, false, levels_, problem_.registry()), false, Contest::Pass(false));
-  if (answer.ok() && EffectsIn(other) > 1) answer = WithFurtherCauses(*std::move(answer));
+  const auto asked = [&](const Contestant& null, bool released) {
+    Result<Answer> answer = Ask(null, released, Contest::Pass(released));
+    if (answer.ok() && EffectsIn(other) > 1) answer = WithFurtherCauses(*std::move(answer));
+    return answer;
+  };
+  Result<Answer> answer = asked(NullOf(begun_, false, levels_, problem_.registry()), false);
   if (!answer.ok() || answer->settled.exact || !other.contest.released || Spent()) return answer;
   released_ = NullOf(begun_, true, levels_, problem_.registry());
-  answer = Ask(*released_, true, Contest::Pass(true));
-  if (answer.ok() && EffectsIn(other) > 1) answer = WithFurtherCauses(*std::move(answer));
-  return answer;
+  return asked(*released_, true);
 }
 
 std::vector<Hum> Pipeline::HumIn(const std::vector<MappedRecord>& others) const {

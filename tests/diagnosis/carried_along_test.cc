@@ -1,4 +1,4 @@
-// Who is carried beside the first.
+// The candidates that a contest carries on beside those that remove most at its first look.
 #include "diagnosis/carried_along.h"
 
 #include <gtest/gtest.h>
