@@ -148,11 +148,14 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     const double neutral = std::isfinite(known.neutral) ? known.neutral : 0.0;
     // Bounds may be as wide as physics goes: a start, where it is one, tells the size, however small it is beside them.
     const double size = value != neutral ? std::abs(value - neutral) : kLeastSize * (known.upper - known.lower);
+    // What does nothing at a bound that is as large as numbers go, as a limit or a joint's stiffness, is told from there by
+    // its logarithm: beside the bound a start has no size.
+    const bool logarithmic = known.lower > 0.0 && known.neutral == known.upper;
     Parameter parameter{effect.info().name + "@" + place.ToString() + " " + known.name,
                         known.unit,
-                        false,
-                        neutral,
-                        size,
+                        logarithmic,
+                        logarithmic ? value : neutral,
+                        logarithmic ? 1.0 : size,
                         known.lower,
                         known.upper,
                         false,

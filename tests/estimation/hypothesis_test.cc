@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "estimation/estimator.h"
 #include "estimation/predictor.h"
@@ -46,6 +47,23 @@ TEST(Hypothesis, AnEffectTakesThePlaceOfTheNumberThatItScales) {
   const Plan moved = softer.At(q);
   EXPECT_NEAR(moved.root.NumberOr("plant.shaft.k2.stiffness_Nm_per_rad", 0.0), 0.9 * 5.76e6, 1.0);
   EXPECT_NEAR(moved.root.NumberOr("plant.inertia.I1", 0.0), 2.5, 1e-12);
+}
+
+// The neutral limit is 1e7, a start some 500: as a share of the way between them a search could not even say 513 and a half.
+TEST(Hypothesis, WhatDoesNothingWhereNumbersEndCountsByItsLogarithm) {
+  const Registry& registry = testing::BuiltIns();
+  const Hypothesis free(FourMasses(0.1));
+  for (const auto& [effect, at, value] :
+       {std::tuple("actuator_saturation", "input:T", 513.5), std::tuple("series_elasticity", "inertia:I2", 1.3e7)}) {
+    const Hypothesis with = free.With(*registry.FindEffect(effect), *ParsePlace(at), Magnitudes());
+    const Parameter& number = with.parameters()[0];
+    const double q = number.CoordinateOf(value);
+    EXPECT_NEAR(number.ValueAt(q + number.step) / value - 1.0, number.step, 1e-2 * number.step) << effect;
+    EXPECT_NEAR(number.ValueAt(q) / value, 1.0, 1e-12) << effect;
+    ASSERT_TRUE(number.neutral) << effect;
+    EXPECT_GT(number.CoordinateOf(*number.neutral) - q, 1.0) << effect;
+    EXPECT_LE(number.CoordinateOf(*number.neutral), with.upper()[0] + 1e-12) << effect;
+  }
 }
 
 TEST(Hypothesis, ReleasedNumbersHaveADecadeAndNoPrior) {
