@@ -1,8 +1,13 @@
 #include "diagnosis/diagnose.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "diagnosis/pipeline.h"
+#include "identification/between_samples.h"
 #include "identification/start.h"
 
 namespace dynoproof::diagnosis {
@@ -16,9 +21,65 @@ void LookForMotion(const Plan& plan, const Registry& registry, std::vector<Mappe
   for (MappedRecord& record : records) record.in_motion = moves;
 }
 
-Result<Diagnosis> DiagnoseFrom(const Plan& plan, const std::vector<MappedRecord>& data,
-                               const std::vector<MappedRecord>& holdout, const Registry& registry,
-                               const DiagnoseOptions& options, const Before& before) {
+/// Lets the inputs be held of which it was guessed that they do otherwise between their samples. Whether there are any.
+bool Hold(const Plan& plan, std::vector<MappedRecord>& records) {
+  bool changes = false;
+  for (MappedRecord& record : records) {
+    changes = changes || std::ranges::any_of(record.guessed, [&](const std::string& name) {
+                return record.between.at(name) != "held";
+              });
+    record = identification::WithBetween(std::move(record), plan, "held");
+  }
+  return changes;
+}
+
+/// What a search is asked about.
+struct Question {
+  const Plan& plan;
+  const Registry& registry;
+  const DiagnoseOptions& options;
+  const std::vector<MappedRecord>&data, &holdout;
+  const Before& before;
+};
+
+/// What inputs do between their samples was guessed beside a model that lacks the cause: a lag in it looks like half a sample. Where a
+/// model leaves nothing but noise with inputs that are held, as a control holds them, that is the answer.
+std::optional<Result<Diagnosis>> WithHeldInputs(const Question& asked, const Pipeline& first, const Answer& answer) {
+  std::vector<MappedRecord> data = asked.data, holdout = asked.holdout;
+  const bool guessed = Hold(asked.plan, data), holdout_guessed = Hold(asked.plan, holdout);
+  if (answer.settled.verdict == Conclusion::kNoEffect || IsExactCause(answer) || !(guessed || holdout_guessed))
+    return {};
+  Before next{asked.before.begun_at, first.simulations(), asked.before.notes};
+  next.notes.push_back(
+      "with inputs that are held between their samples this leaves nothing but noise: they count as held");
+  const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
+  if (!second.ok()) return {};
+  Result<Answer> held = (*second)->Decide();
+  if (!held.ok() || !IsExactCause(*held)) return {};
+  return (*second)->Report(*std::move(held));
+}
+
+/// The nominal model has told that records begin in motion. A cause that acts from the first sample on looks like that, and starts that
+/// are fitted along hide where it sits. Where a model leaves nothing but noise from the scenario's own start, that is the plainer one.
+std::optional<Result<Diagnosis>> FromTheOwnStart(const Question& asked, const Pipeline& first, const Answer& answer) {
+  std::vector<MappedRecord> data = asked.data, holdout = asked.holdout;
+  bool in_motion = false;
+  for (auto* some : {&data, &holdout}) {
+    for (MappedRecord& record : *some) in_motion = std::exchange(record.in_motion, false) || in_motion;
+  }
+  if (!IsExactCause(answer) || !in_motion) return {};
+  Before next{asked.before.begun_at, first.simulations(), asked.before.notes};
+  next.notes.push_back(
+      "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
+  const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
+  if (!second.ok()) return {};
+  Result<Answer> plainer = (*second)->DecideAsPlainlyAs(answer);
+  if (!plainer.ok() || !IsExactCause(*plainer) || EffectsIn(*plainer) > EffectsIn(answer)) return {};
+  return (*second)->Report(*std::move(plainer));
+}
+
+Result<Diagnosis> DiagnoseFrom(const Question& asked) {
+  const auto& [plan, registry, options, data, holdout, before] = asked;
   options.progress("levels", 0.0);
   const auto pipeline = Pipeline::Of(plan, data, holdout, registry, options, before);
   if (!pipeline.ok()) return pipeline.failure();
@@ -31,27 +92,11 @@ Result<Diagnosis> DiagnoseFrom(const Plan& plan, const std::vector<MappedRecord>
     for (auto* some : {&cleaned, &others}) LookForMotion(plan, registry, *some);
     Before next{before.begun_at, (*pipeline)->simulations(), before.notes, before.took_hum_off + 1};
     next.notes.push_back("hum that no model here makes is taken off the records: " + ToText(hum));
-    return DiagnoseFrom(plan, cleaned, others, registry, options, next);
+    return DiagnoseFrom({plan, registry, options, cleaned, others, next});
   }
-  const auto in_motion = [](const std::vector<MappedRecord>& some) {
-    return std::ranges::any_of(some, &MappedRecord::in_motion);
-  };
-  if (!IsExactCause(*answer) || !(in_motion(data) || in_motion(holdout)))
-    return (*pipeline)->Report(*std::move(answer));
-  // The nominal model has told that they begin in motion. A cause that acts from the first sample on looks like that, and starts that
-  // are fitted along hide where it sits. Where a model leaves nothing but noise from the scenario's own start, that is the plainer one.
-  std::vector<MappedRecord> at_rest = data, holdout_at_rest = holdout;
-  for (auto* some : {&at_rest, &holdout_at_rest}) {
-    for (MappedRecord& record : *some) record.in_motion = false;
+  for (const auto& otherwise : {WithHeldInputs, FromTheOwnStart}) {
+    if (std::optional<Result<Diagnosis>> told = otherwise(asked, **pipeline, *answer)) return *std::move(told);
   }
-  Before next{before.begun_at, (*pipeline)->simulations(), before.notes};
-  next.notes.push_back(
-      "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
-  const auto second = Pipeline::Of(plan, at_rest, holdout_at_rest, registry, options, next);
-  if (!second.ok()) return (*pipeline)->Report(*std::move(answer));
-  Result<Answer> plainer = (*second)->DecideAsPlainlyAs(*answer);
-  if (plainer.ok() && IsExactCause(*plainer) && EffectsIn(*plainer) <= EffectsIn(*answer))
-    return (*second)->Report(*std::move(plainer));
   return (*pipeline)->Report(*std::move(answer));
 }
 
@@ -60,7 +105,7 @@ Result<Diagnosis> DiagnoseFrom(const Plan& plan, const std::vector<MappedRecord>
 Result<Diagnosis> Diagnose(const Plan& plan, const std::vector<MappedRecord>& data,
                            const std::vector<MappedRecord>& holdout, const Registry& registry,
                            const DiagnoseOptions& options) {
-  return DiagnoseFrom(plan, data, holdout, registry, options, {});
+  return DiagnoseFrom({plan, registry, options, data, holdout, {}});
 }
 
 }  // namespace dynoproof::diagnosis
