@@ -13,6 +13,7 @@ have() {
 
 ./ci/check_layers.py
 ./ci/check_names.py
+./ci/check_twins.py
 ./ci/check_nan.py
 ./ci/check_links.py
 if git grep -nE '\.dump\(' -- 'engine/*.cc' 'engine/*.h' 'reports/*.cc' 'reports/*.h' ':!engine/base/json_text.h'; then

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSamples = 2'000'000, kWorst = 20;  // some 6 MB of points
 
-std::string Number(double value) { return std::isfinite(value) ? fmt::format("{:.5g}", value) : "–"; }
+std::string FiveDigits(double value) { return std::isfinite(value) ? fmt::format("{:.5g}", value) : "–"; }
 
 std::string Percent(const score::Rate& rate) {
   return fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100.0 * rate.value(), 100.0 * rate.lower(), 100.0 * rate.upper());
@@ -86,8 +86,8 @@ std::string FigureTable(const campaign::Summary& summary) {
     std::vector<Cell> cells = {{Escape(one.name)}, {Escape(one.unit)}, {fmt::format("{}", one.runs), "number"}};
     if (one.runs > 0) {
       for (const double value : {one.least, one.q05, one.median, one.q95, one.largest, one.mean})
-        cells.push_back({Number(value), "number"});
-      cells.push_back({fmt::format("[{}, {}]", Number(one.median_lower), Number(one.median_upper))});
+        cells.push_back({FiveDigits(value), "number"});
+      cells.push_back({fmt::format("[{}, {}]", FiveDigits(one.median_lower), FiveDigits(one.median_upper))});
     }
     rows += Row(cells);
   }

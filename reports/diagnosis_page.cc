@@ -11,7 +11,7 @@ namespace {
 
 using diagnosis::Diagnosis;
 
-std::string Number(double value) { return fmt::format("{:.4g}", value); }
+std::string FourDigits(double value) { return fmt::format("{:.4g}", value); }
 std::string Unit(const std::string& unit) { return unit == "1" ? "" : Escape(unit); }
 
 std::string Spans(const std::vector<std::pair<double, double>>& spans, const char* unit, const char* none) {
@@ -84,9 +84,9 @@ std::string Gains(const Diagnosis& d) {
       rows += Row(std::vector<Cell>{
           {what},
           {Escape(signal), "key"},
-          {Number(gain.before), "number"},
-          {Number(gain.after), "number"},
-          {what[0] == 'h' ? fmt::format("{} ... {}", Number(gain.lower), Number(gain.upper)) : "–", "number"}});
+          {FourDigits(gain.before), "number"},
+          {FourDigits(gain.after), "number"},
+          {what[0] == 'h' ? fmt::format("{} ... {}", FourDigits(gain.lower), FourDigits(gain.upper)) : "–", "number"}});
     }
   }
   if (rows.empty()) return "";
@@ -107,13 +107,13 @@ std::string Considerations(const Diagnosis& d) {
   for (const diagnosis::Considered& one : d.considered) {
     rows += Row(std::vector<Cell>{{Escape(one.name), "key"},
                                   {Escape(one.at)},
-                                  {Number(one.validation_nrmse), "number"},
+                                  {FourDigits(one.validation_nrmse), "number"},
                                   {Escape(one.why_not), "wide"}});
   }
   std::string seen;
   for (const diagnosis::Seen& one : d.would_have_seen) {
     seen += Row(std::vector<Cell>{
-        {Escape(one.name), "key"}, {Escape(one.at)}, {Number(one.smallest), "number"}, {Unit(one.unit)}});
+        {Escape(one.name), "key"}, {Escape(one.at)}, {FourDigits(one.smallest), "number"}, {Unit(one.unit)}});
   }
   std::string html;
   if (!rows.empty()) {
@@ -188,7 +188,7 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
       Escape(d.where.signal), Spans(d.where.when_s, "s", "no time in particular"),
       Spans(d.where.frequency_hz, "Hz", "no frequency in particular"),
       d.where.condition.empty() ? "" : "; " + Escape(d.where.condition), d.at_noise_floor ? "is at" : "is above",
-      Number(d.noise_floor));
+      FourDigits(d.noise_floor));
   if (!pictures.empty()) body += Figures("data-diagnosis", pictures, 4'000'000);
   body += Considerations(d) + Course(d.journal);
   return Page(title, lead, BuildLine(), body);

@@ -51,7 +51,7 @@ std::string Limit(const Check& check) {
 }
 
 /// A piece of Markdown inside a line or a table cell: no line breaks, no pipes, no HTML; a long one is cut short.
-std::string Cell(const std::string& text, std::size_t most = 2000) {
+std::string Markdown(const std::string& text, std::size_t most = 2000) {
   std::string out;
   for (const char c : text) {
     if (out.size() >= most) return out + " ...";
@@ -201,22 +201,22 @@ std::string ToMarkdown(const std::vector<ScenarioResult>& results, std::size_t m
   std::size_t left_out = 0;
   for (const ScenarioResult* result : WorstFirst(results)) {
     const Check* worst = WorstCheck(*result);
-    const std::string row =
-        fmt::format("| {} | {} | {} | {} | {} | {} |\n", Cell(result->id), score::ToString(result->verdict),
-                    result->checks.size(), Failed(*result), worst == nullptr ? Cell(result->broken) : Cell(worst->name),
-                    worst == nullptr ? "" : Cell(Limit(*worst)));
+    const std::string row = fmt::format("| {} | {} | {} | {} | {} | {} |\n", Markdown(result->id),
+                                        score::ToString(result->verdict), result->checks.size(), Failed(*result),
+                                        worst == nullptr ? Markdown(result->broken) : Markdown(worst->name),
+                                        worst == nullptr ? "" : Markdown(Limit(*worst)));
     std::string detail;
     if (!result->broken.empty())
-      detail += fmt::format("- **{}**: the run broke: {}\n", Cell(result->id), Cell(result->broken));
+      detail += fmt::format("- **{}**: the run broke: {}\n", Markdown(result->id), Markdown(result->broken));
     for (const Check& check : result->checks) {
       if (check.verdict == Verdict::kPass) continue;
-      detail += fmt::format("- **{}**: {}: {}. {} Limit: {}\n", Cell(result->id), Cell(check.name),
-                            score::ToString(check.verdict), Cell(check.explanation), Cell(check.origin));
+      detail += fmt::format("- **{}**: {}: {}. {} Limit: {}\n", Markdown(result->id), Markdown(check.name),
+                            score::ToString(check.verdict), Markdown(check.explanation), Markdown(check.origin));
     }
     // One scenario with very many failures must not push out the others, nor itself.
     if (constexpr std::size_t kMost = 50'000; detail.size() > kMost) {
       detail.resize(detail.rfind('\n', kMost) + 1);
-      detail += fmt::format("- **{}**: more is left out for size; the JSON has it\n", Cell(result->id));
+      detail += fmt::format("- **{}**: more is left out for size; the JSON has it\n", Markdown(result->id));
     }
     if (text.size() + details.size() + row.size() + detail.size() > most_bytes) {
       ++left_out;

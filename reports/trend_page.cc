@@ -25,14 +25,14 @@ const std::pair<const char*, const char*> kGroups[] = {{"budget/", "Budgets of t
                                                        {"counter/", "Counters of solvers"},
                                                        {"figure/", "Figures"}};
 
-std::string Number(double value) { return fmt::format("{:.6g}", value); }
+std::string SixDigits(double value) { return fmt::format("{:.6g}", value); }
 
 std::string Change(const Finding& finding) {
   if (finding.kind == Finding::Kind::kMissing)
-    return std::isfinite(finding.before) ? "last was " + Number(finding.before) : "no reading, nor ever one";
+    return std::isfinite(finding.before) ? "last was " + SixDigits(finding.before) : "no reading, nor ever one";
   const std::string share =
       finding.before == 0.0 ? "" : fmt::format(" ({:+.1f} %)", 100.0 * (finding.after / finding.before - 1.0));
-  return fmt::format("{} → {}{}", Number(finding.before), Number(finding.after), share);
+  return fmt::format("{} → {}{}", SixDigits(finding.before), SixDigits(finding.after), share);
 }
 
 std::string FindingsTable(const History& history, const Watch& watch) {

@@ -6,7 +6,6 @@
 namespace control10k {
 namespace {
 
-constexpr double kTwoPi = 6.28318530717958647692;
 constexpr double kForget = 0.99;  // means over 100 samples
 
 static_assert(std::is_trivially_copyable_v<ClassicalState> && sizeof(ClassicalState) % sizeof(double) == 0);

@@ -8,6 +8,8 @@
 
 namespace control10k {
 
+inline constexpr double kTwoPi = 6.28318530717958647692;  // rad of a turn
+
 /// Below this radius the gain (D.7) at the Nyquist frequency amplifies the noise of the measurement: a warning.
 inline constexpr double kSmallestAdvisableRadius = 0.95;
 inline constexpr int kMaxNotches = 6;

@@ -3,11 +3,7 @@
 #include <cmath>
 
 namespace control10k {
-namespace {
-
-constexpr double kTwoPi = 6.28318530717958647692;
-
-}  // namespace
+namespace {}  // namespace
 
 bool IsUsable(const SuppressionConfig& c) {
   GoertzelTables tables;

@@ -22,11 +22,11 @@ using estimation::Hypothesis;
 using estimation::Prediction;
 
 /// The logarithm of the excess that a fit leaves beyond the noise.
-double Left(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
+double LogLeft(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
 
 /// Takes another fit at a level where that leaves less than the one there.
 void TakeLower(Contestant& contestant, Estimate again, const Levels& levels, std::size_t level) {
-  if (again.ok() && (!contestant.Holds(level) || Left(again, levels) < Left(contestant.levels[level], levels)))
+  if (again.ok() && (!contestant.Holds(level) || LogLeft(again, levels) < LogLeft(contestant.levels[level], levels)))
     contestant.levels[level] = std::move(again);
 }
 
@@ -56,7 +56,7 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   const auto count = static_cast<Index>(contestant.effect().info().parameters.size());
   here.segment(own - count, count) = from.segment(own - count, count);
   const double of_here = excess(here);
-  if (std::min(of_from, of_here) <= Left(null.levels[level], levels)) return of_from <= of_here ? from : here;
+  if (std::min(of_from, of_here) <= LogLeft(null.levels[level], levels)) return of_from <= of_here ? from : here;
   constexpr double kNextToNothing = 0.01;  // of where it was
   for (Index i = own - count; i < own; ++i) {
     const estimation::Parameter& parameter = hypothesis.parameters()[static_cast<std::size_t>(i)];
@@ -93,7 +93,7 @@ Estimate FitFully(const Contestant& contestant, const Contestant& null, const Le
 /// Whether a fit leaves so much more than the best one that its last digits decide nothing.
 bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Levels& levels, std::size_t level) {
   if (!estimate.ok() || leader == nullptr) return false;
-  return Left(estimate, levels) > Left(leader->levels[level], levels) + std::log(policy::kFarBehind);
+  return LogLeft(estimate, levels) > LogLeft(leader->levels[level], levels) + std::log(policy::kFarBehind);
 }
 
 /// Once more from the values that another model has found, where that ends lower.
@@ -117,7 +117,7 @@ void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& 
                                  .of_excess = policy::kCarriedTo,
                                  .near = true,
                                  .known = known ? std::optional(own_columns) : std::nullopt}));
-  if (!again.ok() || (known && !(Left(again, levels) < Left(contestant.levels[level], levels) - kWorth))) return;
+  if (!again.ok() || (known && !(LogLeft(again, levels) < LogLeft(contestant.levels[level], levels) - kWorth))) return;
   if (known && !IsFarBehind(again, &other, levels, level)) again = FitFully(contestant, null, levels, level, again.q);
   if (again.ok()) contestant.levels[level] = std::move(again);
 }

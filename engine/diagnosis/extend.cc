@@ -35,7 +35,7 @@ std::string NominalOf(const EstimationProblem& problem, const DiagnoseOptions& o
 
 /// [extension]. Lists stand there even with nothing in them: the extension of an extension would inherit the other's.
 /// The start belongs to these records; a run that another one drives begins where that does.
-std::string ExtensionTable(const EstimationProblem& problem, const Hypothesis& hypothesis,
+std::string ExtensionTable(const EstimationProblem& problem, const identification::Hypothesis& hypothesis,
                            const DiagnoseOptions& options) {
   Value::Array set, data, start;
   for (std::size_t i = 0; i < problem.nuisances().size(); ++i) {
@@ -92,7 +92,7 @@ std::string OwnChecks(const EstimationProblem& problem, const Diagnosis& diagnos
 
 }  // namespace
 
-Result<std::string> WriteExtended(const EstimationProblem& problem, const Hypothesis& hypothesis,
+Result<std::string> WriteExtended(const EstimationProblem& problem, const identification::Hypothesis& hypothesis,
                                   const Diagnosis& diagnosis, const DiagnoseOptions& options) {
   std::string text = fmt::format(
       "# {} with what a diagnosis found. Intervals are 95 %.\n"

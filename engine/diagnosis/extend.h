@@ -11,7 +11,7 @@ namespace dynoproof::diagnosis {
 
 /// `out`/extended.toml: the scenario by include, what it extends, the nominal values that were fitted along, and one
 /// [[effect]] each.
-Result<std::string> WriteExtended(const EstimationProblem& problem, const Hypothesis& hypothesis,
+Result<std::string> WriteExtended(const EstimationProblem& problem, const identification::Hypothesis& hypothesis,
                                   const Diagnosis& diagnosis, const DiagnoseOptions& options);
 
 /// What would separate these candidates, in words; and `out`/separate.toml with that excitation.

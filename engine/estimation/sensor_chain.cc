@@ -13,7 +13,7 @@ SensorChain::SensorChain(const Rig& rig, std::size_t output) {
   const OutputLine& line = rig.outputs[output];
   end_ = line.signal;
   for (int i = 0;; ++i) {
-    const Block* stage = rig.FindBlock(fmt::format("output.{}.sensor.{}", line.name, i));
+    const dynoproof::Block* stage = rig.FindBlock(fmt::format("output.{}.sensor.{}", line.name, i));
     if (stage == nullptr) break;
     delay_s_ += stage->component->delay_s();
     const LinearPart* part = stage->component->linear_part();
@@ -38,7 +38,7 @@ SensorChain::SensorChain(const Rig& rig, std::size_t output) {
 double SensorChain::SlopeAt(const Frame& frame, double time_s) const {
   constexpr double kStep = 1e-6;  // of the signal's usual size
   double slope = gain_;
-  for (const Block* stage : curved_) {
+  for (const dynoproof::Block* stage : curved_) {
     const double in = frame.signals[static_cast<std::size_t>(stage->inputs[0])];
     const double step = kStep * std::max(std::abs(in), stage->component->layout().inputs[0].nominal);
     double low = in - step, high = in + step, at_low = 0.0, at_high = 0.0;

@@ -26,7 +26,7 @@ class SensorChain {
   double SlopeAt(const Frame& frame, double time_s) const;
 
  private:
-  std::vector<const Block*> curved_;  // the stages without a linear part
+  std::vector<const dynoproof::Block*> curved_;  // the stages without a linear part
   int end_ = -1;
   double gain_ = 1.0, delay_s_ = 0.0, lag_s_ = 0.0;
 };

@@ -65,7 +65,7 @@ struct CommonSpan {
 };
 
 /// The stamps from `from` to `to`.
-std::span<const double> Within(std::span<const double> times, double from, double to) {
+std::span<const double> StampsWithin(std::span<const double> times, double from, double to) {
   const auto first = std::lower_bound(times.begin(), times.end(), from);
   return {first, std::upper_bound(first, times.end(), to)};
 }
@@ -84,7 +84,7 @@ Result<CommonSpan> InCommon(const score::Series& reference, const score::Series&
   if (std::ranges::equal(reference.time_s, stamps)) return common;
   common.note = fmt::format("other time stamps, compared from {:.9g} to {:.9g} s: {}", from, to, both());
   // On one raster, what one of the two lacks was cut off; another program's raster may end elsewhere.
-  const bool one_raster = std::ranges::equal(Within(reference.time_s, from, to), Within(stamps, from, to));
+  const bool one_raster = std::ranges::equal(StampsWithin(reference.time_s, from, to), StampsWithin(stamps, from, to));
   const double slack = kEndSlack * std::max(score::MedianStep(reference.time_s), score::MedianStep(stamps));
   const bool lacks = to < last - slack || from > first + slack;
   const auto spans = fmt::format("from {:.9g} to {:.9g} s, the reference from {:.9g} to {:.9g} s", stamps.front(),

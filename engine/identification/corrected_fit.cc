@@ -20,7 +20,6 @@ using estimation::LinearModel;
 using estimation::Parameter;
 using estimation::Predictor;
 
-constexpr double kWithoutBounds = 10.0;  // times the nominal value, up and down
 constexpr double kLonger = 5.0;  // from level to level; the first is as much shorter than a search's usual memory
 constexpr Eigen::Index kMostRows = 12'000;
 

@@ -15,9 +15,8 @@ namespace {
 
 // Small beside the width of a sharp resonance, far above the round-off of a free run.
 constexpr double kStep = 1e-5;
-constexpr double kWithoutBounds = 10.0;  // times the nominal value, up and down
-constexpr double kNear = 0.1;            // of the nominal value: where starts lie without bounds
-constexpr double kLinear = 1e-3;         // of the larger bound: up to there an axis through zero is linear
+constexpr double kNear = 0.1;     // of the nominal value: where starts lie without bounds
+constexpr double kLinear = 1e-3;  // of the larger bound: up to there an axis through zero is linear
 
 /// A objective as Ceres wants it.
 class Cost : public ceres::CostFunction {

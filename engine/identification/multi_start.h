@@ -1,4 +1,4 @@
-// The search for the numbers of a scenario that make a objective smallest: bounded, from several starts.
+// The search for the numbers of a scenario that make an objective smallest: bounded, from several starts.
 #pragma once
 
 #include <Eigen/Dense>
@@ -12,9 +12,12 @@
 
 namespace dynoproof::identification {
 
+constexpr double kWithoutBounds =
+    10.0;  // times the nominal value, up and down: where a number is sought that has no bounds
+
 struct FreeKey {
   std::string key;                                  // dotted path of a number
-  std::optional<std::pair<double, double>> bounds;  // none: a tenth to ten times the nominal value
+  std::optional<std::pair<double, double>> bounds;  // none: kWithoutBounds
 };
 
 /// How one number is searched: by its logarithm between bounds of one sign, else by one that is linear about zero, so

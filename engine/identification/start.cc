@@ -16,7 +16,7 @@ namespace dynoproof::identification {
 namespace {
 
 /// Of a start's prior spread: far above round-off, and an impact more or less is not to be met.
-constexpr double kStep = 1e-3;
+constexpr double kShareOfSpread = 1e-3;
 
 constexpr Eigen::Index kFirst = 3;  // samples: a model that is a little off has hardly gone astray by then
 
@@ -101,10 +101,10 @@ Result<Plan> FitStarts(const EstimationProblem& problem, Plan plan, double until
     std::vector<Status> failed(starts.size());
     ParallelFor(starts.size(), 0, [&](std::size_t k) {
       std::vector<double> moved = values;
-      moved[k] += kStep * starts[k]->spread;
+      moved[k] += kShareOfSpread * starts[k]->spread;
       const Result<Eigen::VectorXd> after = predict(moved);
       if (after.ok())
-        slopes.col(static_cast<Eigen::Index>(k)) = (*after - *before).cwiseProduct(weight) / kStep;
+        slopes.col(static_cast<Eigen::Index>(k)) = (*after - *before).cwiseProduct(weight) / kShareOfSpread;
       else
         failed[k] = after.failure();
     });

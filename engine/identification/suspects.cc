@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kAccounted = 0.5;  // NRMSE: a quarter of the squares is left
 constexpr double kSure = 0.1;       // NRMSE: a hundredth of the squares
-constexpr double kClearly = 0.5;    // of the distance that was
+constexpr double kShareLeft = 0.5;  // of the distance that was
 
 /// Factors by which people mistake units.
 struct Cause {
@@ -115,7 +115,7 @@ Result<std::vector<Suspect>> SuspectsOf(const EstimationProblem& problem, const 
     std::vector<MappedRecord> records = problem.records();
     for (MappedRecord& record : records) read(record);
     const Result<double> after = distance({problem.plan(), records, problem.registry()});
-    if (after.ok() && *after < kClearly * *before)
+    if (after.ok() && *after < kShareLeft * *before)
       suspects.push_back({text, *after, known && *after < kSure, std::move(records)});
   };
   std::vector<std::string> inputs, outputs;

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-Failure Refused(const std::string& message) { return {"batch: " + message, "batch propagator", {}, 2}; }
+Failure BatchRefused(const std::string& message) { return {"batch: " + message, "batch propagator", {}, 2}; }
 
 /// One interval of the form, in the order of its coordinates: the columns are read off by advancing unit vectors, which
 /// gives the very numbers of the step.
@@ -54,15 +54,16 @@ bool BatchPropagator::Takes(const ModalForm& form) {
 
 Result<BatchPropagator> BatchPropagator::Create(std::span<const ModalForm* const> forms, double interval_s,
                                                 std::span<const int> outputs, CpuClass cpu_class) {
-  if (forms.empty() || std::ssize(forms) > kLanes) return Refused("1 to 8 forms");
+  if (forms.empty() || std::ssize(forms) > kLanes) return BatchRefused("1 to 8 forms");
   const int m = forms[0]->inputs(), all_q = forms[0]->integrators();
   BatchPropagator batch;
   BatchPlan& plan = batch.plan_;
   plan.inputs = m;
   plan.outputs = static_cast<int>(outputs.size());
   for (const ModalForm* form : forms) {
-    if (!Takes(*form)) return Refused("a form with a larger block");
-    if (form->inputs() != m || form->integrators() != all_q) return Refused("forms of different inputs or integrators");
+    if (!Takes(*form)) return BatchRefused("a form with a larger block");
+    if (form->inputs() != m || form->integrators() != all_q)
+      return BatchRefused("forms of different inputs or integrators");
     plan.pairs = std::max(plan.pairs, form->layout.pairs);
     plan.reals = std::max(plan.reals, form->layout.reals);
   }
@@ -74,7 +75,7 @@ Result<BatchPropagator> BatchPropagator::Create(std::span<const ModalForm* const
   }
   plan.integrators = static_cast<int>(batch.integrators_.size());
   const int rows = plan.outputs + plan.integrators;
-  if (plan.outputs == 0 || rows > BatchPlan::kMostRows) return Refused("1 to 8 outputs and integrators");
+  if (plan.outputs == 0 || rows > BatchPlan::kMostRows) return BatchRefused("1 to 8 outputs and integrators");
 
   const int pair_size = (2 + 2 * m + 2 * rows) * kLanes, real_size = (1 + m + rows) * kLanes;
   const std::size_t reals_at = static_cast<std::size_t>(plan.pairs * pair_size);

@@ -6,14 +6,14 @@
 namespace dynoproof::reduce {
 namespace {
 
-constexpr double kShorter = 1.1;  // a length is sought until the longest that does not show it is that close
+constexpr double kCloseEnough = 1.1;  // a length is sought until the longest that does not show it is that close
 
 /// The shortest length from a sixteenth of `length` on that shows it, by halves of its logarithm.
 std::size_t Shortest(std::size_t length, std::size_t fewest, const std::function<bool()>& left,
                      const std::function<bool(std::size_t)>& shows) {
   double fails = static_cast<double>(length), passes = static_cast<double>(fewest) - 1.0;
   double tried = std::max(fails / 16.0, static_cast<double>(fewest));
-  while (left() && fails > kShorter * passes) {
+  while (left() && fails > kCloseEnough * passes) {
     const auto rows = static_cast<std::size_t>(std::lround(tried));
     if (static_cast<double>(rows) >= fails || static_cast<double>(rows) <= passes) break;
     (shows(rows) ? fails : passes) = static_cast<double>(rows);

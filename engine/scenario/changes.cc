@@ -10,7 +10,7 @@ namespace dynoproof {
 namespace {
 
 /// A value as TOML, where it is short enough to be read in a sentence.
-std::string Shown(const Value& value) {
+std::string Written(const Value& value) {
   constexpr std::size_t kMost = 60;
   std::string text = InlineToml(value);
   return text.size() > kMost ? text.substr(0, kMost) + " ..." : text;
@@ -21,7 +21,7 @@ std::string Shown(const Value& value) {
 std::string Alone(std::string path, const Value* value, const char* between) {
   for (; value->is_table() && value->table().size() == 1; value = &value->table().front().value)
     path += "." + value->table().front().key;
-  return path + between + Shown(*value);
+  return path + between + Written(*value);
 }
 
 bool IsListOfTables(const Value& value) {
@@ -54,7 +54,7 @@ void Differences(const Value& was, const Value& is, const std::string& path, std
   if (!was.is_table() || !is.is_table()) {
     const bool same =
         was.is_number() && is.is_number() ? was.number() == is.number() : InlineToml(was) == InlineToml(is);
-    if (!same) found.push_back(fmt::format("{} = {} (was {})", path, Shown(is), Shown(was)));
+    if (!same) found.push_back(fmt::format("{} = {} (was {})", path, Written(is), Written(was)));
     return;
   }
   const std::string before = path.empty() ? "" : path + ".";
@@ -72,7 +72,7 @@ void Differences(const Value& was, const Value& is, const std::string& path, std
 
 void Leaves(const Value& value, const std::string& path, std::vector<std::string>& found) {
   if (!value.is_table()) {
-    found.push_back(fmt::format("{} = {}", path, Shown(value)));
+    found.push_back(fmt::format("{} = {}", path, Written(value)));
     return;
   }
   for (const Value::Entry& entry : value.table())

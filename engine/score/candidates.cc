@@ -14,12 +14,6 @@
 namespace dynoproof::score {
 namespace {
 
-double SumOfSquares(std::span<const double> v) {
-  double sum = 0.0;
-  for (double value : v) sum += value * value;
-  return sum;
-}
-
 std::string WithUnit(double value, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
 }
@@ -98,6 +92,12 @@ void AddDrift(const Pair& pair, const std::string& unit, bool offset, Candidates
 }
 
 }  // namespace
+
+double SumOfSquares(std::span<const double> v) {
+  double sum = 0.0;
+  for (double value : v) sum += value * value;
+  return sum;
+}
 
 void AddScalings(const Pair& pair, const std::string& unit, Candidates& out) {
   AddFit(pair, unit, {.gain = false, .offset = true, .shift = false}, Cause::kOffset, out);

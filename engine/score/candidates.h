@@ -1,6 +1,7 @@
 // The candidates of explain.h, each fitted on its own. Internal to the layer.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct Candidate {
   std::string text;
 };
 using Candidates = std::vector<Candidate>;
+
+double SumOfSquares(std::span<const double> v);
 
 /// Gain, offset, shift and their combinations, sign flips, drift.
 void AddScalings(const Pair& pair, const std::string& unit, Candidates& out);

@@ -24,7 +24,7 @@ constexpr Range kAnything{-kInfinity, kInfinity};
 Range Only(double value) { return {value, value}; }
 
 /// The ranges of a signal's values before, at and after an instant.
-struct Event {
+struct Sides {
   std::size_t begin = 0, end = 0;  // its samples at the instant
   Range before, at, after;
   bool jumps() const { return end - begin > 1; }
@@ -53,9 +53,9 @@ void TakeInLine(const Series& series, std::size_t to, int step, double time_s, d
 }
 
 /// The signal about the instant from `from_s` to `to_s`.
-Event EventOf(const Series& series, double from_s, double to_s, double room) {
+Sides SidesOf(const Series& series, double from_s, double to_s, double room) {
   const auto& [time, values, interpolation] = series;
-  Event event;
+  Sides event;
   event.begin = static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), from_s) - time.begin());
   event.end = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), to_s) - time.begin());
   for (std::size_t i = event.begin; i < event.end; ++i) event.at.TakeIn(values[i]);
@@ -88,7 +88,7 @@ class Instant {
       in_time_.push_back(in_time ? Range{points.low[i], points.high[i]} : Range());
   }
 
-  void Judge(const Series& reference, const Event& wanted, const Series& test, const Event& had) {
+  void Judge(const Series& reference, const Sides& wanted, const Series& test, const Sides& had) {
     const std::span<const double> time_s = std::span<const double>(points_.time_s).subspan(first_, worst_.size());
     const auto point = [&](const Series& series, std::size_t i) {  // rows behind the last point count there
       const auto it = std::lower_bound(time_s.begin(), time_s.end() - 1, series.time_s[i]);
@@ -96,7 +96,7 @@ class Instant {
     };
     Meet(0, had.before, wanted.before);
     Meet(worst_.size() - 1, had.after, wanted.after);
-    const auto between = [](const Event& event, std::size_t i) {
+    const auto between = [](const Sides& event, std::size_t i) {
       return !event.jumps() || (i > event.begin && i + 1 < event.end);
     };
     for (std::size_t i = wanted.begin; i < wanted.end; ++i) {
@@ -159,7 +159,7 @@ void JudgeJumps(const Series& reference, const Series& test, double room, bool i
     while (last + 1 < points.time_s.size() && IsJump(points.time_s, last)) ++last;
     const double from_s = points.time_s[first];
     const double to_s = std::max(EndOfInstant(reference, points.time_s[last]), EndOfInstant(test, points.time_s[last]));
-    const Event wanted = EventOf(reference, from_s, to_s, room), had = EventOf(test, from_s, to_s, room);
+    const Sides wanted = SidesOf(reference, from_s, to_s, room), had = SidesOf(test, from_s, to_s, room);
     if (!wanted.jumps() && !had.jumps()) continue;
     Instant(points, first, last, in_time).Judge(reference, wanted, test, had);
   }

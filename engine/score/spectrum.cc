@@ -35,7 +35,7 @@ std::complex<double> Dirichlet(double x, double n) {
 }
 
 // |W(x)| of the window, `x` bins off the tone; 1 at x = 0 for the rectangular one.
-double Response(Window window, double x, double n) {
+double WindowResponse(Window window, double x, double n) {
   const auto c = Coefficients(window);
   std::complex<double> sum = c[0] * Dirichlet(x, n);
   for (int m = 1; m < 3; ++m)
@@ -50,7 +50,8 @@ double BinOffset(Window window, double left, double middle, double right, double
   double high = 0.5;
   for (int i = 0; i < 60; ++i) {  // the ratio rises with the offset
     const double d = 0.5 * (low + high);
-    const double ratio = (Response(window, 1.0 - d, n) - Response(window, -1.0 - d, n)) / Response(window, -d, n);
+    const double ratio =
+        (WindowResponse(window, 1.0 - d, n) - WindowResponse(window, -1.0 - d, n)) / WindowResponse(window, -d, n);
     (ratio < seen ? low : high) = d;
   }
   return 0.5 * (low + high);
@@ -140,7 +141,7 @@ Tone DominantTone(const Spectrum& spectrum, double from_hz, double to_hz) {
   const double n = Num(spectrum.samples);
   const double d = BinOffset(spectrum.window, a[best - 1], a[best], a[best + 1], n);
   tone.frequency_hz = (Num(best) + d) * spectrum.bin_hz;
-  tone.amplitude = a[best] * Response(spectrum.window, 0.0, n) / Response(spectrum.window, -d, n);
+  tone.amplitude = a[best] * WindowResponse(spectrum.window, 0.0, n) / WindowResponse(spectrum.window, -d, n);
   tone.verdict = Verdict::kPass;
   return tone;
 }

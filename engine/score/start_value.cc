@@ -92,12 +92,6 @@ double Polish(std::span<const double> r, double total, Mode& mode, double omega_
   return best;
 }
 
-double SumOfSquares(std::span<const double> v) {
-  double sum = 0.0;
-  for (double value : v) sum += value * value;
-  return sum;
-}
-
 // Best single mode of r: decays on a grid, frequencies zero or the spectrum's peak.
 Mode BestMode(std::span<const double> r, bool ringing) {
   const double total = SumOfSquares(r);

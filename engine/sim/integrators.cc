@@ -22,21 +22,21 @@ struct VectorDeleter {
 };
 using VectorPtr = std::unique_ptr<std::remove_pointer_t<N_Vector>, VectorDeleter>;
 
-std::span<double> Data(N_Vector vector) {
+std::span<double> Values(N_Vector vector) {
   return {N_VGetArrayPointer(vector), static_cast<std::size_t>(N_VGetLength(vector))};
 }
 
 int Rates(realtype time, N_Vector states, N_Vector rates, void* user) {
   const auto& problem = *static_cast<OdeProblem*>(user);
-  problem.rates(time, Data(states), Data(rates));
+  problem.rates(time, Values(states), Values(rates));
   // A non-finite rate is recoverable for SUNDIALS: it tries a smaller step, and fails by itself if that does not help.
   const auto bad = [](double rate) { return !std::isfinite(rate); };
-  return std::any_of(Data(rates).begin(), Data(rates).end(), bad) ? 1 : 0;
+  return std::any_of(Values(rates).begin(), Values(rates).end(), bad) ? 1 : 0;
 }
 
 int Guards(realtype time, N_Vector states, realtype* values, void* user) {
   const auto& problem = *static_cast<OdeProblem*>(user);
-  problem.guards(time, Data(states), {values, static_cast<std::size_t>(problem.guard_count)});
+  problem.guards(time, Values(states), {values, static_cast<std::size_t>(problem.guard_count)});
   return 0;
 }
 
@@ -65,11 +65,11 @@ class SundialsIntegrator : public Integrator {
     states_.reset(Made(N_VNew_Serial(n, context_)));
     UseOwnOperations(states_.get());
     tolerance_.reset(Made(N_VNew_Serial(n, context_)));
-    std::copy(problem_.absolute_tolerance.begin(), problem_.absolute_tolerance.end(), Data(tolerance_.get()).begin());
+    std::copy(problem_.absolute_tolerance.begin(), problem_.absolute_tolerance.end(), Values(tolerance_.get()).begin());
   }
 
   Status Restart(double time_s, std::span<const double> states) override {
-    std::copy(states.begin(), states.end(), Data(states_.get()).begin());
+    std::copy(states.begin(), states.end(), Values(states_.get()).begin());
     ++restarts_;
     return Check(DoRestart(time_s), "restart", time_s);
   }
@@ -78,7 +78,7 @@ class SundialsIntegrator : public Integrator {
     roots.clear();
     const int result = DoEvolve(end_s, time_s);
     if (Status failed = Check(result, "step", time_s)) return failed;
-    std::copy_n(Data(states_.get()).begin(), states.size(), states.begin());
+    std::copy_n(Values(states_.get()).begin(), states.size(), states.begin());
     if (result != kRootReturn) {
       time_s = end_s;
       return {};

@@ -15,13 +15,11 @@ namespace {
 
 using Modes = Result<std::vector<FilteredLoopMode>>;
 
-constexpr double kHighest_Hz = 3000.0;  // modes above it move a growth rate by less than 0.01 1/s: MachineLoop's test
-
 /// A run's filters over time, with the loop that they stand in.
-class Course {
+class HeldCourse {
  public:
-  Course(CheckContext& context, const MachineLoop& loop, const std::vector<std::string>& notches,
-         const std::string& gain)
+  HeldCourse(CheckContext& context, const MachineLoop& loop, const std::vector<std::string>& notches,
+             const std::string& gain)
       : loop_(loop),
         gain_(context.Find(gain)->series.values),
         radius_(context.plan().root.NumberOr("control.core.radius", control10k::SuppressionConfig{}.radius)),
@@ -87,7 +85,7 @@ struct Placements {
   int placed = 0, wrong = 0, growing = 0, found = 0;
   std::string first_wrong;
 };
-Result<Placements> Judge(const Course& course, double near_Hz, double growth_per_s) {
+Result<Placements> Judge(const HeldCourse& course, double near_Hz, double growth_per_s) {
   Placements result;
   const Modes idle = course.ModesAt(1);  // the first sample is taken before the control has ticked
   if (!idle.ok()) return idle.failure();
@@ -121,7 +119,7 @@ std::vector<score::Check> FiltersHoldCheck::Run(CheckContext& context) const {
   };
   const Result<MachineLoop> loop = MachineLoopOf(context.plan(), context.rig(), kHighest_Hz);
   if (!loop.ok()) return broken(loop.failure());
-  const Course course(context, *loop, p_.notches, p_.gain);
+  const HeldCourse course(context, *loop, p_.notches, p_.gain);
   if (course.samples() < 3) return broken(Failure{"the run has no course", "filters_hold", {}, 3});
   const Result<Placements> placements = Judge(course, p_.near_Hz, p_.growth_per_s);
   if (!placements.ok()) return broken(placements.failure());

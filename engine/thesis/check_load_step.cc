@@ -7,10 +7,10 @@
 #include <limits>
 #include <numeric>
 
+#include "thesis/constants.h"
+
 namespace dynoproof {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double Mean(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return std::accumulate(values.begin() + from, values.begin() + to, 0.0) / static_cast<double>(to - from);

@@ -7,11 +7,10 @@
 #include <limits>
 
 #include "score/step_figures.h"
+#include "thesis/constants.h"
 
 namespace dynoproof {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Where an input stands still after a change: samples [begin, end), and what it was before the change.
 struct Phase {

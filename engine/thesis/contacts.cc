@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/bad_input.h"
 #include "experiment/checks.h"
 #include "linear/network.h"
 
 namespace dynoproof {
 namespace {
 
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "contacts", .exit_code = 2}; }
+Failure BadContacts(std::string why) { return BadInput(std::move(why), "contacts"); }
 
 /// The part of the line that hangs on `node` when the shaft between is taken out.
 std::vector<bool> PartOf(const mechanics::Network& network, int removed, int node) {
@@ -86,7 +87,7 @@ std::vector<Impact> FindImpacts(const Signals& s) {
 Result<ContactCourse> FollowContacts(const Plan& plan, const std::string& shaft, const std::string& solver,
                                      const Registry& registry, const Records& records) {
   const Value* gap = plan.root.FindPath("plant.shaft." + shaft + ".half_gap_rad");
-  if (gap == nullptr || !gap->is_number()) return Wrong(fmt::format("shaft \"{}\" has no half_gap_rad", shaft));
+  if (gap == nullptr || !gap->is_number()) return BadContacts(fmt::format("shaft \"{}\" has no half_gap_rad", shaft));
   Plan extended = plan;
   extended.root.Erase("variant");
   const auto observe = [&extended](const std::string& name, const std::string& of) {
@@ -96,16 +97,16 @@ Result<ContactCourse> FollowContacts(const Plan& plan, const std::string& shaft,
     observe(quantity, fmt::format("plant.{}.{}", shaft, quantity));
   }
   const Value* inertias = plan.root.FindPath("plant.inertia");
-  if (inertias == nullptr) return Wrong("the plant has no inertia");
+  if (inertias == nullptr) return BadContacts("the plant has no inertia");
   for (const std::string& name : KeysOf(*inertias)) observe(name, fmt::format("plant.{}.speed", name));
   Diagnostics diagnostics;
   const std::unique_ptr<Rig> rig = Rig::Build(extended, registry, records, diagnostics);
-  if (rig == nullptr) return Wrong(diagnostics.Format());
+  if (rig == nullptr) return BadContacts(diagnostics.Format());
   const mechanics::Network* network = rig->FindBlock("plant")->component->network();
   const int edge = network != nullptr ? network->FindEdge(shaft) : -1;
-  if (edge < 0) return Wrong(fmt::format("the plant is no drive line with a shaft \"{}\"", shaft));
+  if (edge < 0) return BadContacts(fmt::format("the plant is no drive line with a shaft \"{}\"", shaft));
   const std::vector<bool> behind = PartOf(*network, edge, network->edges[edge].to);
-  if (behind[network->edges[edge].from]) return Wrong(fmt::format("shaft \"{}\" does not part the line", shaft));
+  if (behind[network->edges[edge].from]) return BadContacts(fmt::format("shaft \"{}\" does not part the line", shaft));
 
   Result<std::unique_ptr<Solver>> made = MakeSolver(solver, *rig);
   if (!made.ok()) return made.failure();
@@ -117,13 +118,13 @@ Result<ContactCourse> FollowContacts(const Plan& plan, const std::string& shaft,
   };
   Signals signals{course.samples.time, signal("twist"), signal("rate"), signal("torque"), {}, {}, gap->number()};
   const std::size_t rows = course.samples.time.size();
-  if (rows < 3) return Wrong("the run is too short");
+  if (rows < 3) return BadContacts("the run is too short");
   double sum[2] = {0.0, 0.0};
   signals.before.assign(rows, 0.0);
   signals.behind.assign(rows, 0.0);
   for (std::size_t i = 0; i < network->nodes.size(); ++i) {
     const mechanics::Node& node = network->nodes[i];
-    if (inertias->Find(node.name) == nullptr) return Wrong("a soft rotor has no single speed");
+    if (inertias->Find(node.name) == nullptr) return BadContacts("a soft rotor has no single speed");
     const std::vector<double>& speed = signal(node.name);
     std::vector<double>& mean = behind[i] ? signals.behind : signals.before;
     sum[behind[i]] += node.inertia;

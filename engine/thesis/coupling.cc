@@ -6,18 +6,12 @@
 #include <limits>
 #include <numbers>
 
+#include "base/bad_input.h"
 #include "base/units.h"
 #include "linear/modes.h"
 #include "trace/csv.h"
 
 namespace dynoproof {
-namespace {
-
-Failure Wrong(const std::string& file, std::string why) {
-  return {.message = std::move(why), .signal = file, .exit_code = 2};
-}
-
-}  // namespace
 
 Result<mechanics::CouplingTable> ReadCouplingTable(const std::string& file) {
   const Result<trace::Record> record = trace::ReadCsv(file);
@@ -30,24 +24,24 @@ Result<mechanics::CouplingTable> ReadCouplingTable(const std::string& file) {
   for (const auto& [name, unit, values] : {Wanted{"nu", "rad/s", &table.nu}, Wanted{"k", "N m/rad", &table.stiffness},
                                            Wanted{"c", "N m s/rad", &table.damping}}) {
     const std::optional<std::size_t> column = record->Find(name);
-    if (!column) return Wrong(file, fmt::format("has no column \"{}\": a data sheet has nu, k and c", name));
+    if (!column) return BadInput(fmt::format("has no column \"{}\": a data sheet has nu, k and c", name), file);
     const trace::Column& found = record->columns[*column];
     const std::optional<Unit> written = ParseUnit(found.unit.empty() ? unit : found.unit), ours = ParseUnit(unit);
     const bool hertz = std::string_view(name) == "nu" && written && found.unit.ends_with("Hz");
     if (!written || !SameQuantity(*written, *ours)) {
-      return Wrong(file, fmt::format("column \"{}\" is in \"{}\", which is no {}", name, found.unit, unit));
+      return BadInput(fmt::format("column \"{}\" is in \"{}\", which is no {}", name, found.unit, unit), file);
     }
     const double factor = written->factor * (hertz ? 2.0 * std::numbers::pi : 1.0);
     for (const double value : found.values) values->push_back(factor * value);
   }
   const std::string fault = FaultOf(table);
-  return fault.empty() ? Result<mechanics::CouplingTable>(std::move(table)) : Wrong(file, fault);
+  return fault.empty() ? Result<mechanics::CouplingTable>(std::move(table)) : BadInput(fault, file);
 }
 
 Result<CouplingChoice> ChooseCouplingMode(const mechanics::Network& network, const std::string& shaft,
                                           double static_stiffness) {
   const int coupling = network.FindEdge(shaft);
-  if (coupling < 0) return Wrong("coupling", fmt::format("the drive line has no shaft \"{}\"", shaft));
+  if (coupling < 0) return BadInput(fmt::format("the drive line has no shaft \"{}\"", shaft), "coupling");
   mechanics::Network bare = network;
   for (mechanics::Edge& edge : bare.edges) edge.damping = 0.0;
   bare.edges[coupling].stiffness = static_stiffness;
@@ -71,7 +65,7 @@ Result<CouplingChoice> ChooseCouplingMode(const mechanics::Network& network, con
     largest = share;
     choice.nu_0 = nu;
   }
-  if (largest == 0.0) return Wrong("coupling", fmt::format("no mode twists \"{}\"", shaft));
+  if (largest == 0.0) return BadInput(fmt::format("no mode twists \"{}\"", shaft), "coupling");
   return choice;
 }
 

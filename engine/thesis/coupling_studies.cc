@@ -16,24 +16,17 @@
 #include "sim/solver.h"
 #include "thesis/coupling.h"
 #include "thesis/studies_runs.h"
+#include "thesis/study_parameters.h"
 
 namespace dynoproof {
 namespace {
 
 constexpr const char* kShaft = "coupling";
 
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
-
-Result<double> Number(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  if (value == nullptr || !value->is_number()) return Wrong(fmt::format("needs a number \"{}\"", key));
-  return value->number();
-}
-
 /// The scenario of that id, with the shaft's table replaced (what it joins stays) when `coupling` is given.
 Result<std::unique_ptr<Prepared>> Load(const Registry& registry, const std::string& id,
                                        const Value* coupling = nullptr) {
-  if (id.empty()) return Wrong("needs a \"scenario\"");
+  if (id.empty()) return BadStudy("needs a \"scenario\"");
   Diagnostics diagnostics;
   std::unique_ptr<Prepared> prepared;
   for (const std::string& file : FindScenarios(id, diagnostics)) {
@@ -41,14 +34,14 @@ Result<std::unique_ptr<Prepared>> Load(const Registry& registry, const std::stri
     if (!plan) break;
     if (coupling != nullptr) {
       Value* shaft = plan->root.FindPath(std::string("plant.shaft.") + kShaft);
-      if (shaft == nullptr || shaft->Find("between") == nullptr) return Wrong(id + " has no shaft \"coupling\"");
+      if (shaft == nullptr || shaft->Find("between") == nullptr) return BadStudy(id + " has no shaft \"coupling\"");
       Value other = *coupling;
       other["between"] = *shaft->Find("between");
       *shaft = std::move(other);
     }
     prepared = Prepare(std::move(*plan), {}, registry, diagnostics);
   }
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  if (prepared == nullptr) return BadStudy(diagnostics.Format());
   return prepared;
 }
 
@@ -61,7 +54,7 @@ Result<Value> ShaftOf(const Registry& registry, const Value& parameters) {
   const auto prepared = Load(registry, parameters.TextOr("scenario"));
   if (!prepared.ok()) return prepared.failure();
   const Value* shaft = (*prepared)->plan.root.FindPath(std::string("plant.shaft.") + kShaft);
-  return shaft != nullptr ? Result<Value>(*shaft) : Wrong("the scenario has no shaft \"coupling\"");
+  return shaft != nullptr ? Result<Value>(*shaft) : BadStudy("the scenario has no shaft \"coupling\"");
 }
 
 }  // namespace
@@ -72,10 +65,10 @@ Result<Figure> CouplingSteady(const Registry& registry, const Value& parameters)
   const Result<double> nu = Number(parameters, "nu");
   if (!nu.ok()) return nu.failure();
   const std::optional<mechanics::DynamicValues> values = SteadyValues(*shaft, *nu);
-  if (!values) return Wrong("the coupling's law has no steady values");
+  if (!values) return BadStudy("the coupling's law has no steady values");
   if (parameters.TextOr("quantity") == "stiffness") return Figure{values->stiffness, "N m/rad"};
   if (parameters.TextOr("quantity") == "damping") return Figure{values->damping, "N m s/rad"};
-  return Wrong("quantity is \"stiffness\" or \"damping\"");
+  return BadStudy("quantity is \"stiffness\" or \"damping\"");
 }
 
 Result<Figure> CouplingFrequency(const Registry& registry, const Value& parameters) {
@@ -84,14 +77,14 @@ Result<Figure> CouplingFrequency(const Registry& registry, const Value& paramete
   const Result<double> stiffness = Number(parameters, "static_stiffness");
   if (!stiffness.ok()) return stiffness.failure();
   const Block* plant = (*prepared)->rig->FindBlock("plant");
-  if (plant == nullptr || plant->component->network() == nullptr) return Wrong("the plant is no drive line");
+  if (plant == nullptr || plant->component->network() == nullptr) return BadStudy("the plant is no drive line");
   mechanics::Network network = *plant->component->network();
   const std::string shaft = parameters.TextOr("shaft").empty() ? kShaft : parameters.TextOr("shaft");
   if (shaft != kShaft) {  // the coupling somewhere else, a stiff shaft in its place
     const Result<double> rigid = Number(parameters, "rigid_stiffness");
     if (!rigid.ok()) return rigid.failure();
     const int edge = network.FindEdge(kShaft);
-    if (edge < 0) return Wrong("the scenario has no shaft \"coupling\"");
+    if (edge < 0) return BadStudy("the scenario has no shaft \"coupling\"");
     network.edges[edge].stiffness = *rigid;
   }
   const Result<CouplingChoice> choice = ChooseCouplingMode(network, shaft, *stiffness);
@@ -126,7 +119,7 @@ Result<Figure> CouplingLever(const Registry&, const Value& parameters) {
   if (form == "power") {  // T_H w = N Dp dV/dt with (4.18)
     return Figure{g.segments * g.side_area() * g.lever() / derived, "1"};
   }
-  return Wrong("form is \"integral\", \"limits\", \"printed\" or \"power\"");
+  return BadStudy("form is \"integral\", \"limits\", \"printed\" or \"power\"");
 }
 
 Result<Figure> CouplingReynolds(const Registry&, const Value& parameters) {
@@ -171,7 +164,7 @@ Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& paramet
   };
   mechanics::Network network = *(*prepared)->rig->FindBlock("plant")->component->network();
   const int edge = network.FindEdge(kShaft);
-  if (edge < 0) return Wrong("the scenario has no shaft \"coupling\"");
+  if (edge < 0) return BadStudy("the scenario has no shaft \"coupling\"");
   const int left = network.edges[edge].from;
   network.edges[edge].stiffness = network.edges[edge].damping = 0.0;
   const std::vector<int> parts = network.Parts();
@@ -186,7 +179,7 @@ Result<Figure> CouplingClosedLoop(const Registry& registry, const Value& paramet
   const Value* lag = root.FindPath("input.T_c.actuator");
   if (lag != nullptr && lag->is_array() && !lag->array().empty()) lag = &lag->array()[0];
   const Value* tau = lag != nullptr ? lag->Find("tau_s") : nullptr;
-  if (tau == nullptr || !std::isfinite(k + c + K + kappa + k_P + k_I)) return Wrong("the scenario has no such loop");
+  if (tau == nullptr || !std::isfinite(k + c + K + kappa + k_P + k_I)) return BadStudy("the scenario has no such loop");
   // States: twist, both speeds, torque of the oil, torque of the machine, integral part of the control.
   Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
   A.row(0) << 0.0, 1.0, -1.0, 0.0, 0.0, 0.0;
@@ -211,7 +204,7 @@ Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters)
   const std::string signal = parameters.TextOr("signal");
   const Value *first = parameters.Find("first"), *second = parameters.Find("second"),
               *during = parameters.Find("during_s");
-  if (first == nullptr || second == nullptr) return Wrong("needs the couplings \"first\" and \"second\"");
+  if (first == nullptr || second == nullptr) return BadStudy("needs the couplings \"first\" and \"second\"");
   const bool stretch = during != nullptr && during->is_array() && during->array().size() == 2 &&
                        during->array()[0].is_number() && during->array()[1].is_number();
   std::vector<double> courses[3];
@@ -222,7 +215,7 @@ Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters)
     const Result<Samples> samples = Run(*(*prepared)->rig);
     if (!samples.ok()) return samples.failure();
     const score::Series series = SeriesOf(*samples, *(*prepared)->rig, signal);
-    if (series.values.empty()) return Wrong(fmt::format("there is no signal \"{}\"", signal));
+    if (series.values.empty()) return BadStudy(fmt::format("there is no signal \"{}\"", signal));
     for (std::size_t i = 0; i < series.values.size(); ++i) {
       const double t = series.time_s[i];
       if (stretch && (t < during->array()[0].number() || t > during->array()[1].number())) continue;
@@ -236,7 +229,7 @@ Result<Figure> CouplingRivals(const Registry& registry, const Value& parameters)
       error[which] += std::pow(courses[1 + which].at(i) - courses[0][i], 2);
     }
   }
-  if (!(error[1] > 0.0)) return Wrong("the second coupling does not differ from the scenario's");
+  if (!(error[1] > 0.0)) return BadStudy("the second coupling does not differ from the scenario's");
   return Figure{std::sqrt(error[0] / error[1]), "1"};  // both divided by the same spread
 }
 

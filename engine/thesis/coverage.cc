@@ -68,9 +68,9 @@ void Complete(CoverageRow& row, const std::vector<AtlasFigure>& figures, const s
 }
 
 /// The rules of one row. Every fault stands where the row does.
-class Rules {
+class RowRules {
  public:
-  Rules(const CoverageRow& row, const Known& known, Diagnostics& diagnostics)
+  RowRules(const CoverageRow& row, const Known& known, Diagnostics& diagnostics)
       : row_(row), known_(known), diagnostics_(diagnostics) {}
 
   void Check(const std::vector<AtlasFigure>& figures, const std::vector<Claim>& claims) {
@@ -159,7 +159,7 @@ std::vector<CoverageRow> ReadCoverage(const std::string& file, const Registry& r
     if (!names.insert(row.name).second)
       diagnostics.Error(row.where, fmt::format("a second row \"{}\"", row.name), "rename one, or make one of both");
     Complete(row, figures, claims);
-    Rules(row, known, diagnostics).Check(figures, claims);
+    RowRules(row, known, diagnostics).Check(figures, claims);
     rows.push_back(std::move(row));
   }
   const auto must_have = [&](const std::string& name, const std::string& who) {

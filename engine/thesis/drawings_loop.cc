@@ -4,18 +4,18 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "control10k/core.h"
 #include "control10k/notch.h"
 #include "linear/modes.h"
 #include "linear/zeros.h"
+#include "thesis/constants.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi, kPeriod_s = 1e-4, kFirst_Hz = 100.0, kLast_Hz = 1500.0;
+constexpr double kFirst_Hz = 100.0, kLast_Hz = 1500.0;
 
 std::vector<double> Frequencies() {
   std::vector<double> f;
@@ -43,9 +43,9 @@ Result<Picture> LoopGains(const Registry&) {
 }
 
 /// The phase without jumps at +-180 degrees; at any frequency, as marks need it.
-class Phase {
+class PhaseCurve {
  public:
-  Phase(const std::vector<double>& f, const std::vector<std::complex<double>>& gain) : f_(f) {
+  PhaseCurve(const std::vector<double>& f, const std::vector<std::complex<double>>& gain) : f_(f) {
     double last = 0.0;
     for (const std::complex<double>& value : gain) {
       double degrees = std::arg(value) * 360.0 / kTurn;
@@ -75,7 +75,7 @@ Status AddLine(const SuppressionPlant& plant, const std::string& label, Picture&
   const std::vector<double> f = Frequencies();
   std::vector<std::complex<double>> gain;
   for (const double x : f) gain.push_back(transfer->AtFrequency(x));
-  const Phase phase(f, gain);
+  const PhaseCurve phase(f, gain);
   Curve crosses{"poles, " + label, {}, {}, Curve::Style::kCrosses},
       circles{"zeros, " + label, {}, {}, Curve::Style::kCircles};
   const auto put = [&](Curve& curve, double frequency) {
@@ -105,7 +105,7 @@ Result<Picture> LoopPhases(const Registry&) {
   const SuppressionPlant plant = R2RPlant();
   const auto loop = OpenLoop(plant, 1.0, 0, {}, f);
   if (!loop.ok()) return loop.failure();
-  picture.curves.push_back({"1: with actuator", f, Phase(f, *loop).degrees()});
+  picture.curves.push_back({"1: with actuator", f, PhaseCurve(f, *loop).degrees()});
   if (const Status broken = AddLine(plant, "2: line alone", picture)) return *broken;
   // A quarter of 70 slices, from the left: 1 to 18.
   SuppressionPlant quarter = plant;

@@ -5,20 +5,18 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <numbers>
 
 #include "experiment/prepare.h"
 #include "linear/modes.h"
 #include "scenario/find.h"
+#include "thesis/constants.h"
 #include "thesis/distributed.h"
 
 namespace dynoproof {
 namespace {
 
 using std::numbers::pi;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Fig. 2.14: the elastic modes of the chain of Table A.1, each scaled to its largest entry.
 Result<Picture> ModeShapes(const Registry& registry) {

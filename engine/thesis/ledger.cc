@@ -18,9 +18,9 @@ constexpr std::array<const char*, kStandings> kNames = {"reproduced",   "reprodu
                                                         "contradicted", "misprint",           "not_checkable"};
 
 /// The rules of one standing. Every fault stands where the claim does, and says what to write instead.
-class Rules {
+class ClaimRules {
  public:
-  Rules(const Claim& claim, Diagnostics& diagnostics) : claim_(claim), diagnostics_(diagnostics) {}
+  ClaimRules(const Claim& claim, Diagnostics& diagnostics) : claim_(claim), diagnostics_(diagnostics) {}
 
   void Check() {
     if (claim_.expect == "not_checkable") return CheckNotCheckable();
@@ -143,7 +143,7 @@ std::vector<Claim> ReadLedger(const std::string& file, Diagnostics& diagnostics)
     if (!ReadParams(table, claim, diagnostics, "claim")) continue;
     if (!ids.insert(claim.id).second)
       diagnostics.Error(claim.where, fmt::format("a second claim \"{}\"", claim.id), "rename one");
-    Rules(claim, diagnostics).Check();
+    ClaimRules(claim, diagnostics).Check();
     claims.push_back(std::move(claim));
   }
   return claims;

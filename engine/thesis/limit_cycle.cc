@@ -7,7 +7,7 @@
 namespace dynoproof {
 namespace {
 
-constexpr double kNear_Hz = 20.0;  // a resonance moves by 2 Hz with the gain; the next one is 200 Hz away
+constexpr double kMoves_Hz = 20.0;  // a resonance moves by 2 Hz with the gain; the next one is 200 Hz away
 
 /// The amplitude with which the limit lets through a share below 1: N falls from 1 to 0.
 double AmplitudeFor(double share) {
@@ -32,7 +32,7 @@ Result<LimitCycle> PredictLimitCycle(const std::function<Result<std::vector<Filt
     const auto all = modes(gain);
     if (!all.ok()) return all.failure();
     const auto mode =
-        std::ranges::find_if(*all, [=](const auto& one) { return std::abs(one.frequency_hz - near_Hz) < kNear_Hz; });
+        std::ranges::find_if(*all, [=](const auto& one) { return std::abs(one.frequency_hz - near_Hz) < kMoves_Hz; });
     if (mode == all->end()) return Failure{"no mode lies near", "limit cycle", {}, 2};
     return *mode;
   };

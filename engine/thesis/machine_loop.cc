@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "linear/dense.h"
 #include "linear/energy_coordinates.h"
 #include "plugins/plant/induction_machine/rating.h"
+#include "thesis/constants.h"
 
 namespace dynoproof {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi, kPeriod_s = 1e-4;
 
 /// The states (W q, q', w_rigid) of a line up to a frequency.
 std::vector<Eigen::Index> StatesUpTo(const mechanics::EnergyCoordinates& coordinates, double highest_Hz) {

@@ -25,6 +25,9 @@ namespace dynoproof {
 /// The Vascat MAC-QI 250P of Table 2.7 on the DC link of Table 2.8, as scenarios/suppression/_machine.toml has it.
 control10k::TorqueConfig VascatDrive(double current_bandwidth_Hz);
 
+/// A third above the highest mode that takes part; those above move a growth rate by less than 0.01 1/s (MachineLoop's test).
+inline constexpr double kHighest_Hz = 3000.0;
+
 class MachineLoop {
  public:
   /// `delay_samples`: between the core and the current control. `at_once`: the voltage acts in the period in which it is

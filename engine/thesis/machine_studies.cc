@@ -9,8 +9,6 @@
 namespace dynoproof {
 namespace {
 
-constexpr double kHighest_Hz = 3000.0;  // modes above it move a growth rate by less than 0.01 1/s: MachineLoop's test
-
 Result<MachineLoop> LoopOf(double I5_kg_m2, double bandwidth_Hz, bool at_once) {
   return MachineLoop::Create(R2RPlant(I5_kg_m2), VascatDrive(bandwidth_Hz), 0, kHighest_Hz, at_once);
 }

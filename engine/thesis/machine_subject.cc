@@ -9,9 +9,6 @@
 namespace dynoproof::campaign {
 namespace {
 
-/// A third above the highest mode that takes part; those above move a rate by less than 0.05 1/s (MachineLoop's test).
-constexpr double kHighest_Hz = 3000.0;
-
 /// One setup of the test bed with the machine.
 class Setup {
  public:

@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "control10k/classical.h"
 #include "experiment/analysis.h"
+#include "thesis/constants.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// The loop of a scenario, as the studies of chapter 5 compute it.
 struct Loop {

@@ -13,23 +13,17 @@
 #include "scenario/load.h"
 #include "thesis/pressure_loops.h"
 #include "thesis/speed_loop.h"
+#include "thesis/study_parameters.h"
 
 namespace dynoproof {
 namespace {
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
-
-bool Flag(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_bool() && value->boolean();
-}
 
 /// The scenario that the claim names, as written.
 Result<Plan> PlanOf(const Value& parameters) {
   Diagnostics diagnostics;
   const std::vector<std::string> files = FindScenarios(parameters.TextOr("scenario"), diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
-  if (!plan) return Wrong("needs a \"scenario\"\n" + diagnostics.Format());
+  if (!plan) return BadStudy("needs a \"scenario\"\n" + diagnostics.Format());
   return *plan;
 }
 
@@ -38,7 +32,7 @@ Result<mechanics::Regulator> RegulatorOf(const Value& parameters) {
   const Result<Plan> plan = PlanOf(parameters);
   if (!plan.ok()) return plan.failure();
   const Value* plant = plan->root.Find("plant");
-  if (plant == nullptr || plant->TextOr("type") != "fuel_gas") return Wrong("the plant is not fuel_gas");
+  if (plant == nullptr || plant->TextOr("type") != "fuel_gas") return BadStudy("the plant is not fuel_gas");
   const double R_theta = plant->NumberOr("R_J_per_kg_K", 518.0) * plant->NumberOr("theta_K", 300.0);
   return mechanics::Regulator{plant->NumberOr("mass_kg", 0.0),
                               plant->NumberOr("stiffness_N_per_m", 0.0),
@@ -85,7 +79,7 @@ Result<Figure> RegulatorFigure(const Registry&, const Value& parameters) {
   if (figure == "fast_pole") return Figure{roots->real().minCoeff(), "1/s"};
   if (figure == "slow_pole") return Figure{roots->real().maxCoeff(), "1/s"};
   if (figure == "slow_pole_frequency") return Figure{roots->imag().maxCoeff(), "1/s"};
-  return Wrong(
+  return BadStudy(
       "needs a \"figure\": least_stiffness, integral_bound, loop_decay, fast_pole, slow_pole or slow_pole_frequency");
 }
 
@@ -119,9 +113,9 @@ Result<Figure> RegulatorBound(const Registry&, const Value& parameters) {
       return mechanics::LargestRealPart(mechanics::RegulatorLoop(regulator, gains).denominator);
     };
   } else {
-    return Wrong("needs \"swept\": k_s, k_P or k_I");
+    return BadStudy("needs \"swept\": k_s, k_P or k_I");
   }
-  if (!(part(stable) < 0.0 && part(unstable) > 0.0)) return Wrong("the sweep does not cross the axis");
+  if (!(part(stable) < 0.0 && part(unstable) > 0.0)) return BadStudy("the sweep does not cross the axis");
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (stable + unstable);
     (part(middle) < 0.0 ? stable : unstable) = middle;
@@ -138,13 +132,13 @@ Result<Figure> RegulatorSteady(const Registry& registry, const Value& parameters
   Diagnostics diagnostics;
   BuildContext context{registry, diagnostics, "plant", {"inputs"}};
   const std::unique_ptr<Component> plant = registry.MakeComponent("plant", table, context);
-  if (plant == nullptr) return Wrong(diagnostics.Format());
+  if (plant == nullptr) return BadStudy(diagnostics.Format());
   const double inputs[] = {parameters.NumberOr("p_mem", 5e5), parameters.NumberOr("q_e", 0.02)};
   double states[3] = {}, rates[3] = {};
   plant->Start(inputs, states, {});
   plant->Derivative({0.0, inputs, states, {}}, rates);
   // Rest to round-off: forces of 1e4 N, flows that change a pressure by 1e5 Pa/s.
-  if (std::abs(rates[1]) > 1e-8 || std::abs(rates[2]) > 1e-5) return Wrong("the plant does not start at rest");
+  if (std::abs(rates[1]) > 1e-8 || std::abs(rates[2]) > 1e-5) return BadStudy("the plant does not start at rest");
   const double d_q = Flag(parameters, "as_printed") ? 0.0 : table.NumberOr("valve.v_g.flow_at_rest_kg_per_s", 0.0);
   const double formula = inputs[0] - table.NumberOr("preload_N", 0.0) / regulator->A -
                          regulator->k_s / regulator->A * (inputs[1] - d_q) / regulator->k_q;
@@ -157,7 +151,7 @@ Result<Figure> PlannedReference(const Registry&, const Value& parameters) {
   const Result<Plan> plan = PlanOf(parameters);
   if (!plan.ok()) return plan.failure();
   const Value* control = plan->root.FindPath("control.proposed");
-  if (control == nullptr) return Wrong("the scenario has no [control.proposed]");
+  if (control == nullptr) return BadStudy("the scenario has no [control.proposed]");
   const double swept = control->NumberOr("volumetric_efficiency", 1.0) * control->NumberOr("displacement_m3", 0.0) *
                        parameters.NumberOr("speed", 0.0) / (4.0 * std::numbers::pi);
   const double area = mechanics::FlapArea::Cosine(control->NumberOr("flap.1.area_offset_m2", 0.0),

@@ -12,8 +12,6 @@ using Complex = std::complex<double>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double InverseInertia(const TwoMass& p) { return 1.0 / p.I1 + 1.0 / p.I2; }
-
 /// Without leading zeros, monic, s in units that make the trailing coefficient +-1; empty when that cannot be done.
 VectorXd Normalised(const VectorXd& coefficients, double* unit = nullptr) {
   Eigen::Index first = 0;

@@ -24,20 +24,12 @@
 #include "thesis/studies_printed.h"
 #include "thesis/studies_runs.h"
 #include "thesis/studies_slips.h"
+#include "thesis/study_parameters.h"
 #include "thesis/suppression_studies.h"
 #include "thesis/two_mass.h"
 
 namespace dynoproof {
 namespace {
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
-
-/// A number of the claim's table.
-Result<double> Number(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  if (value == nullptr || !value->is_number()) return Wrong(fmt::format("needs a number \"{}\"", key));
-  return value->number();
-}
 
 /// The scenario that the claim names, built and analysed.
 struct Subject {
@@ -46,16 +38,16 @@ struct Subject {
 };
 Result<Subject> Load(const Registry& registry, const Value& parameters) {
   const Value* id = parameters.Find("scenario");
-  if (id == nullptr || !id->is_string()) return Wrong("needs a \"scenario\"");
+  if (id == nullptr || !id->is_string()) return BadStudy("needs a \"scenario\"");
   Diagnostics diagnostics;
   Subject subject;
   for (const std::string& file : FindScenarios(id->string(), diagnostics)) {
     subject.prepared = Prepare(file, {}, registry, diagnostics);
   }
-  if (subject.prepared == nullptr) return Wrong(diagnostics.Format());
+  if (subject.prepared == nullptr) return BadStudy(diagnostics.Format());
   const std::optional<AnalysisSettings> settings =
       ReadAnalysis(subject.prepared->plan, *subject.prepared->rig, diagnostics);
-  if (!settings) return Wrong("the scenario has no [analysis]");
+  if (!settings) return BadStudy("the scenario has no [analysis]");
   Result<LinearAnalysis> analysis = Analyse(*subject.prepared->rig, *settings);
   if (!analysis.ok()) return analysis.failure();
   subject.analysis = std::move(*analysis);
@@ -68,7 +60,7 @@ Result<T> Pick(const std::vector<T>& list, const Value& parameters, const char* 
   const Result<double> number = Number(parameters, key);
   if (!number.ok()) return number.failure();
   if (*number < 1 || *number > static_cast<double>(list.size())) {
-    return Wrong(fmt::format("{} {} of {}", key, *number, list.size()));
+    return BadStudy(fmt::format("{} {} of {}", key, *number, list.size()));
   }
   return list[static_cast<std::size_t>(*number) - 1];
 }
@@ -90,9 +82,9 @@ Result<Eigen::VectorXd> FrequenciesOf(const Registry& registry, const std::strin
   Diagnostics diagnostics;
   const std::vector<std::string> files = FindScenarios(id, diagnostics);
   const std::unique_ptr<Prepared> prepared = files.size() == 1 ? Prepare(files[0], {}, registry, diagnostics) : nullptr;
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  if (prepared == nullptr) return BadStudy(diagnostics.Format());
   const mechanics::Network* network = prepared->rig->FindBlock("plant")->component->network();
-  if (network == nullptr) return Wrong(fmt::format("{} has no drive line", id));
+  if (network == nullptr) return BadStudy(fmt::format("{} has no drive line", id));
   return mechanics::UndampedFrequencies(*network);
 }
 
@@ -105,7 +97,7 @@ Result<Figure> PredictionGap(const Registry& registry, const Value& parameters) 
   if (!theirs.ok()) return theirs.failure();
   if (!modes.ok()) return modes.failure();
   const auto count = static_cast<Eigen::Index>(*modes);
-  if (count < 1 || count >= std::min(ours->size(), theirs->size())) return Wrong("there are not that many modes");
+  if (count < 1 || count >= std::min(ours->size(), theirs->size())) return BadStudy("there are not that many modes");
   const Eigen::ArrayXd ratio = ours->segment(1, count).array() / theirs->segment(1, count).array();
   return Figure{(ratio - 1.0).abs().maxCoeff(), "1"};
 }
@@ -194,7 +186,7 @@ Result<Figure> Chosen(const Result<std::vector<double>>& frequencies, const Valu
   if (!frequencies.ok()) return frequencies.failure();
   const double mode = parameters.NumberOr("mode", 1.0);
   if (mode < 1.0 || mode > static_cast<double>(frequencies->size()))
-    return Wrong(fmt::format("mode {} of {}", mode, frequencies->size()));
+    return BadStudy(fmt::format("mode {} of {}", mode, frequencies->size()));
   return Figure{(*frequencies)[static_cast<std::size_t>(mode) - 1], "Hz"};
 }
 
@@ -235,7 +227,7 @@ Result<Figure> RotorSliced(const Registry&, const Value& parameters) {
   for (const double frequency : *all) {
     if (frequency > 0.0) return Figure{frequency, "Hz"};
   }
-  return Wrong("no elastic mode");
+  return BadStudy("no elastic mode");
 }
 
 /// How far the heuristic formula is below the rotor in slices.
@@ -266,7 +258,7 @@ Result<Figure> SpatialAgainstExact(const Registry&, const Value& parameters) {
       mechanics::ExactEigenfrequencies({rotor->inertia, rotor->stiffness, 0.0, rotor->oscillator.inertia, {}}, 5000.0);
   if (!spatial.ok()) return spatial.failure();
   if (!exact.ok()) return exact.failure();
-  if (spatial->size() != exact->size()) return Wrong("different numbers of roots");
+  if (spatial->size() != exact->size()) return BadStudy("different numbers of roots");
   double worst = 0.0;
   for (std::size_t i = 0; i < exact->size(); ++i) worst = std::max(worst, std::abs((*spatial)[i] / (*exact)[i] - 1.0));
   return Figure{worst, "1"};
@@ -314,7 +306,7 @@ Result<Figure> UnstableAtBound(const Registry&, const Value& parameters) {
 Result<Figure> ThreeMassRoundTrip(const Registry&, const Value&) {
   const double I1 = 2.0, I2 = 5.0, I3 = 0.7, nu1 = 300.0, nu2 = 900.0;
   const mechanics::ThreeMassSolution solution = mechanics::ThreeMassStiffnesses(I1, I2, I3, nu1, nu2);
-  if (!solution.first || !solution.second) return Wrong("no solution");
+  if (!solution.first || !solution.second) return BadStudy("no solution");
   double worst = 0.0;
   for (const mechanics::ThreeMassSprings& springs : {*solution.first, *solution.second}) {
     mechanics::Network network;
@@ -342,7 +334,7 @@ Result<Figure> ZeroEquationSolutions(const Registry&, const Value&) {
   const bool contains = std::any_of(solutions.begin(), solutions.end(), [](const mechanics::SplitRotor& one) {
     return std::abs(one.k1 / 2e6 - 1.0) < 1e-9 && std::abs(one.I2 / 1.5 - 1.0) < 1e-9;
   });
-  if (!contains) return Wrong("the rotor it was made from is not among the solutions");
+  if (!contains) return BadStudy("the rotor it was made from is not among the solutions");
   return Figure{static_cast<double>(solutions.size()), "1"};
 }
 

@@ -17,11 +17,10 @@
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "score/series.h"
+#include "thesis/study_parameters.h"
 
 namespace dynoproof {
 namespace {
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
 std::vector<std::string> Texts(const Value& parameters, const char* key) {
   std::vector<std::string> texts;
@@ -37,7 +36,7 @@ Result<MappedRecord> OwnRecord(const Registry& registry, const Plan& plan, const
                                double noise, std::uint64_t seed) {
   Diagnostics diagnostics;
   const std::unique_ptr<Prepared> prepared = Prepare(plan, {}, registry, diagnostics);
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  if (prepared == nullptr) return BadStudy(diagnostics.Format());
   const Result<Course> course = Play(*prepared);
   if (!course.ok()) return course.failure();
   const Samples& samples = course->samples;
@@ -56,7 +55,7 @@ Result<MappedRecord> OwnRecord(const Registry& registry, const Plan& plan, const
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += sigma * RandomNormal(seed, j, i);
     record.outputs[name] = {time, std::make_shared<const std::vector<double>>(std::move(values))};
   }
-  if (record.outputs.size() != outputs.size()) return Wrong("an output of \"outputs\" does not exist");
+  if (record.outputs.size() != outputs.size()) return BadStudy("an output of \"outputs\" does not exist");
   return record;
 }
 
@@ -67,7 +66,7 @@ Result<Figure> OwnRecordIdentified(const Registry& registry, const Value& parame
   const std::vector<std::string> files = FindScenarios(parameters.TextOr("scenario"), diagnostics);
   const std::optional<Plan> truth =
       files.size() == 1 ? LoadPlan(files[0], Texts(parameters, "set"), diagnostics) : std::nullopt;
-  if (!truth) return Wrong("needs a \"scenario\"\n" + diagnostics.Format());
+  if (!truth) return BadStudy("needs a \"scenario\"\n" + diagnostics.Format());
   const Result<MappedRecord> record =
       OwnRecord(registry, *truth, Texts(parameters, "outputs"), parameters.NumberOr("noise", 0.0),
                 static_cast<std::uint64_t>(parameters.NumberOr("seed", 1.0)));
@@ -76,10 +75,10 @@ Result<Figure> OwnRecordIdentified(const Registry& registry, const Value& parame
   identification::IdentifyOptions options;
   options.starts = 1;
   if (!parameters.TextOr("method").empty()) options.method = parameters.TextOr("method");
-  if (!identification::Methods().contains(options.method)) return Wrong("there is no method " + options.method);
+  if (!identification::Methods().contains(options.method)) return BadStudy("there is no method " + options.method);
   for (const std::string& key : Texts(parameters, "free")) {
     Value* number = begun.root.FindPath(key);
-    if (number == nullptr || !number->is_number()) return Wrong(fmt::format("\"{}\" is no number", key));
+    if (number == nullptr || !number->is_number()) return BadStudy(fmt::format("\"{}\" is no number", key));
     *number = Value(number->number() * parameters.NumberOr("begin", 1.0));
     options.keys.push_back({key, std::nullopt});
   }

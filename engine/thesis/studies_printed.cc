@@ -13,33 +13,28 @@
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "thesis/parametrisation.h"
+#include "thesis/study_parameters.h"
 
 namespace dynoproof {
 namespace {
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
-
-bool Flag(const Value& parameters, const char* key) {
-  const Value* value = parameters.Find(key);
-  return value != nullptr && value->is_bool() && value->boolean();
-}
 
 Result<Plan> PlanNamed(const Value& parameters, const char* key) {
   Diagnostics diagnostics;
   const std::vector<std::string> files = FindScenarios(parameters.TextOr(key), diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], {}, diagnostics) : std::nullopt;
-  if (!plan) return Wrong(fmt::format("needs a \"{}\"\n{}", key, diagnostics.Format()));
+  if (!plan) return BadStudy(fmt::format("needs a \"{}\"\n{}", key, diagnostics.Format()));
   return *plan;
 }
 
 /// Sum of the numbers that `keys` names by dotted paths.
 Result<double> Sum(const Plan& plan, const Value& parameters, const char* keys) {
   const Value* paths = parameters.Find(keys);
-  if (paths == nullptr || !paths->is_array()) return Wrong(fmt::format("needs \"{}\"", keys));
+  if (paths == nullptr || !paths->is_array()) return BadStudy(fmt::format("needs \"{}\"", keys));
   double sum = 0.0;
   for (const Value& path : paths->array()) {
     const Value* number = path.is_string() ? plan.root.FindPath(path.string()) : nullptr;
-    if (number == nullptr || !number->is_number()) return Wrong(fmt::format("an item of \"{}\" names no number", keys));
+    if (number == nullptr || !number->is_number())
+      return BadStudy(fmt::format("an item of \"{}\" names no number", keys));
     sum += number->number();
   }
   return sum;
@@ -117,7 +112,7 @@ Result<Figure> WideMiddle(const Registry&, const Value& parameters) {
   const bool reversed = Flag(parameters, "reversed");
   const double I1 = 2.0, nu_1 = reversed ? 900.0 : 300.0, nu_2 = reversed ? 300.0 : 900.0;
   const mechanics::ThreeMassSolution solution = mechanics::ThreeMassStiffnesses(I1, 1e9, 0.7, nu_1, nu_2);
-  if (!solution.first) return Wrong("no solution");
+  if (!solution.first) return BadStudy("no solution");
   return Figure{solution.first->k1 / (nu_1 * nu_1 * I1), "1"};
 }
 
@@ -179,7 +174,7 @@ Result<Figure> Reaches(const Registry&, const Value& parameters) {
   const Result<Plan> plan = PlanNamed(parameters, "scenario");
   if (!plan.ok()) return plan.failure();
   const Value* shafts = plan->root.FindPath("plant.shaft");
-  if (shafts == nullptr) return Wrong("the scenario has no shafts");
+  if (shafts == nullptr) return BadStudy("the scenario has no shafts");
   std::set<std::string> reached = {parameters.TextOr("from")};
   for (std::size_t before = 0; before != reached.size();) {
     before = reached.size();
@@ -191,7 +186,7 @@ Result<Figure> Reaches(const Registry&, const Value& parameters) {
     }
   }
   const Value* between = shafts->FindPath(parameters.TextOr("shaft") + ".between");
-  if (between == nullptr) return Wrong("no such shaft");
+  if (between == nullptr) return BadStudy("no such shaft");
   return Figure{reached.contains(between->array()[0].string()) ? 1.0 : 0.0, "1"};
 }
 
@@ -207,7 +202,7 @@ Result<Figure> SpectrumGrid(const Registry&, const Value& parameters) {
   for (int i = 0; i < N_s; ++i) results.insert({i, i + 1});
   if (quantity == "interval") return Figure{(*results.rbegin() - *results.begin()) * N * T_d, "s"};
   if (quantity == "results") return Figure{static_cast<double>(results.size()), "1"};
-  return Wrong("quantity is resolution, last_bin, interval or results");
+  return BadStudy("quantity is resolution, last_bin, interval or results");
 }
 
 /// What (5.37) takes from a stored amplitude in `hours`, multiplied step by step at 10 kHz, in the precision of T.

@@ -8,27 +8,26 @@
 #include "experiment/run_scenario.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
+#include "thesis/study_parameters.h"
 
 namespace dynoproof {
 namespace {
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
 Result<Figures> Run(const Registry& registry, const std::string& scenario, const std::string& kind,
                     const std::vector<std::string>& settings) {
   Diagnostics diagnostics;
   const std::vector<std::string> files = FindScenarios(scenario, diagnostics);
   std::optional<Plan> plan = files.size() == 1 ? LoadPlan(files[0], settings, diagnostics) : std::nullopt;
-  if (!plan) return Wrong("needs a \"scenario\"\n" + diagnostics.Format());
+  if (!plan) return BadStudy("needs a \"scenario\"\n" + diagnostics.Format());
   Value::Array chosen;
   const Value* checks = plan->root.Find("check");
   for (const Value& check : checks != nullptr && checks->is_array() ? checks->array() : Value::Array{}) {
     if (check.TextOr("kind") == kind) chosen.push_back(check);
   }
-  if (chosen.empty()) return Wrong(fmt::format("{} has no check of the kind \"{}\"", scenario, kind));
+  if (chosen.empty()) return BadStudy(fmt::format("{} has no check of the kind \"{}\"", scenario, kind));
   plan->root["check"] = Value(std::move(chosen));
   const std::unique_ptr<Prepared> prepared = Prepare(std::move(*plan), {}, registry, diagnostics);
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  if (prepared == nullptr) return BadStudy(diagnostics.Format());
   const Result<Course> course = Play(*prepared, {});
   if (!course.ok()) return course.failure();
   CheckContext context(prepared->plan, *prepared->rig, course->samples, prepared->rig->run.solver);
@@ -42,7 +41,7 @@ Result<Figures> Run(const Registry& registry, const std::string& scenario, const
 Result<Figure> Pick(const Result<Figures>& figures, const std::string& name) {
   if (!figures.ok()) return figures.failure();
   const auto found = figures->find(name);
-  if (found == figures->end()) return Wrong(fmt::format("there is no figure \"{}\"", name));
+  if (found == figures->end()) return BadStudy(fmt::format("there is no figure \"{}\"", name));
   return found->second;
 }
 
@@ -63,7 +62,7 @@ Result<Figure> ScenarioFigure(const Registry& registry, const Value& parameters)
   std::vector<std::string> settings;
   const Value* set = parameters.Find("set");
   for (const Value& one : set != nullptr && set->is_array() ? set->array() : Value::Array{}) {
-    if (!one.is_string()) return Wrong("\"set\" is a list of key=value");
+    if (!one.is_string()) return BadStudy("\"set\" is a list of key=value");
     settings.push_back(one.string());
   }
   const std::string scenario = parameters.TextOr("scenario"), kind = parameters.TextOr("kind"),

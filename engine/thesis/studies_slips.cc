@@ -9,11 +9,12 @@
 #include <numbers>
 #include <vector>
 
+#include "thesis/constants.h"
+
 namespace dynoproof {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 bool AsPrinted(const Value& parameters) {
   const Value* value = parameters.Find("as_printed");

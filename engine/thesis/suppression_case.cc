@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/random.h"
 #include "base/subnormals.h"
+#include "thesis/constants.h"
 
 namespace dynoproof {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi, kPeriod_s = 1e-4, kLoadFrom_s = 0.2, kRight_Hz = 20.0;
+constexpr double kLoadFrom_s = 0.2, kRight_Hz = 20.0;
 enum Stream : std::uint64_t { kNoise = 12, kBroad = 13, kSearch = 14 };
 
 control10k::CoreConfig Config(double probe_gamma) {

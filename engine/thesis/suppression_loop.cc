@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "linear/dense.h"
 #include "linear/modal_form.h"
+#include "thesis/constants.h"
 
 namespace dynoproof {
 namespace {
-
-constexpr double kPeriod_s = 1e-4;
 
 Result<mechanics::EnergyCoordinates> CoordinatesOf(const SuppressionPlant& plant) {
   Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(plant.network.size(), 2);
@@ -154,7 +152,7 @@ Result<std::vector<FilteredLoopMode>> ModesOfStep(const Eigen::MatrixXd& step) {
   for (const std::complex<double>& z : values) {
     if (z.imag() <= 0.0) continue;
     const std::complex<double> s = std::log(z) / kPeriod_s;
-    modes.push_back({s.imag() / (2.0 * std::numbers::pi), s.real()});
+    modes.push_back({s.imag() / (kTurn), s.real()});
   }
   std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) { return a.growth_per_s > b.growth_per_s; });
   return modes;
@@ -211,7 +209,7 @@ Result<std::vector<std::complex<double>>> OpenLoop(const SuppressionPlant& plant
   const Eigen::RowVectorXcd h = (sampled->h * Q).cast<std::complex<double>>();
   std::vector<std::complex<double>> loop;
   for (const double f : frequencies_Hz) {
-    const std::complex<double> z = std::polar(1.0, 2.0 * std::numbers::pi * f * kPeriod_s);
+    const std::complex<double> z = std::polar(1.0, kTurn * f * kPeriod_s);
     std::complex<double> gain = k_V * (h * SolveShifted(H, z, g))[0] * std::pow(z, -delay_samples);
     for (const control10k::NotchCoefficients& c : notches) {
       gain *= (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z));

@@ -7,7 +7,6 @@
 #include <complex>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include "base/random.h"
@@ -17,18 +16,17 @@
 #include "scenario/find.h"
 #include "scenario/load.h"
 #include "sim/solver.h"
+#include "thesis/constants.h"
 #include "thesis/limit_cycle.h"
 #include "thesis/machine_loop.h"
 #include "thesis/machine_scenario.h"
+#include "thesis/study_parameters.h"
 #include "thesis/suppression_loop.h"
 
 namespace dynoproof {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi, kPeriod_s = 1e-4;
 constexpr int kBlock = 128, kBins = 24;
-
-Failure Wrong(std::string why) { return {.message = std::move(why), .signal = "study", .exit_code = 2}; }
 
 SuppressionPlant PlantOf(const Value& parameters) {
   SuppressionPlant plant = R2RPlant(parameters.NumberOr("I5", 0.081), parameters.NumberOr("tau_s", 1e-3));
@@ -63,13 +61,13 @@ Result<LoopModes> LoopOf(const Registry& registry, const Value& parameters) {
       return FilteredLoopModes(plant, k_V, delay, notches);
     });
   }
-  Result<MachineLoop> loop = Wrong("no loop");
+  Result<MachineLoop> loop = BadStudy("no loop");
   if (scenario.empty()) {
     loop = MachineLoop::Create(PlantOf(parameters), VascatDrive(machine_Hz), delay);
   } else {
     Diagnostics diagnostics;
     const std::unique_ptr<Prepared> prepared = PreparedScenario(registry, scenario, diagnostics);
-    if (prepared == nullptr) return Wrong(diagnostics.Format());
+    if (prepared == nullptr) return BadStudy(diagnostics.Format());
     loop = MachineLoopOf(prepared->plan, *prepared->rig, std::numeric_limits<double>::infinity());
   }
   if (!loop.ok()) return loop.failure();
@@ -89,7 +87,7 @@ Result<Figure> LoopModeStudy(const Registry& registry, const Value& parameters) 
   const auto modes = ModesOf(registry, parameters, {});
   if (!modes.ok()) return modes.failure();
   const auto index = static_cast<std::size_t>(parameters.NumberOr("mode", 1.0)) - 1;
-  if (index >= modes->size()) return Wrong("no such mode");
+  if (index >= modes->size()) return BadStudy("no such mode");
   const FilteredLoopMode& mode = (*modes)[index];
   return parameters.TextOr("quantity") == "growth" ? Figure{mode.growth_per_s, "1/s"} : Figure{mode.frequency_hz, "Hz"};
 }
@@ -274,7 +272,7 @@ Result<bool> ExplainsBoth(double tau, double direct, int delay) {
   if (growing.size() != 2 || std::abs(growing[0] - 605.0) > 20.0 || std::abs(growing[1] - 832.0) > 20.0) return false;
   const auto quiet = FilteredLoopModes(plant(0.311), 1.0, delay, {});
   const auto loud = FilteredLoopModes(plant(0.311), 4.5, delay, {});
-  if (!quiet.ok() || !loud.ok()) return Wrong("an eigenvalue problem failed");
+  if (!quiet.ok() || !loud.ok()) return BadStudy("an eigenvalue problem failed");
   if (quiet->front().growth_per_s >= 0.0 || loud->front().growth_per_s <= 0.0) return false;
   for (double shift = -15.0; shift <= 15.0; shift += 1.0) {
     const auto filtered =
@@ -325,14 +323,14 @@ Result<Figure> ProbeShift(const Registry&, const Value& parameters) {
 Result<Figure> LastOscillation(const Registry& registry, const Value& parameters) {
   Diagnostics diagnostics;
   const std::unique_ptr<Prepared> prepared = PreparedScenario(registry, parameters.TextOr("scenario"), diagnostics);
-  if (prepared == nullptr) return Wrong(diagnostics.Format());
+  if (prepared == nullptr) return BadStudy(diagnostics.Format());
   const Rig& rig = *prepared->rig;
   const auto solver = MakeSolver(rig.run.solver, rig);
   if (!solver.ok()) return solver.failure();
   const Result<Samples> samples = Simulate(rig, **solver);
   if (!samples.ok()) return samples.failure();
   const int output = FindOutput(rig, parameters.TextOr("signal"));
-  if (output < 0) return Wrong("the scenario has no such output");
+  if (output < 0) return BadStudy("the scenario has no such output");
   const std::vector<double>& values = samples->outputs[static_cast<std::size_t>(output)];
   const double period = rig.run.period_s;
   const auto count = std::min(values.size(), static_cast<std::size_t>(std::lround(0.1 / period)));

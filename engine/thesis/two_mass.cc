@@ -5,8 +5,6 @@
 namespace dynoproof::mechanics {
 namespace {
 
-double InverseInertia(const TwoMass& plant) { return 1.0 / plant.I1 + 1.0 / plant.I2; }
-
 /// abs of the denominator of (2.15) at s = j nu.
 double Denominator(const TwoMass& plant, double nu) {
   const double m = InverseInertia(plant);

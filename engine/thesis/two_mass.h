@@ -15,6 +15,9 @@ struct TwoMass {
   double c;       // [N m s/rad]
 };
 
+/// 1 / I1 + 1 / I2 [1/(kg m^2)]: what the twist feels of both.
+inline double InverseInertia(const TwoMass& plant) { return 1.0 / plant.I1 + 1.0 / plant.I2; }
+
 /// The eigenvalues of A_d (2.13) [rad/s]; the one with positive imaginary part, or the slow real one, first.
 std::pair<std::complex<double>, std::complex<double>> Eigenvalues(const TwoMass& plant);
 

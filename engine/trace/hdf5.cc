@@ -9,16 +9,14 @@
 #include <memory>
 #include <new>
 
+#include "base/bad_input.h"
+
 namespace dynoproof::trace::hdf5 {
 namespace {
 
 std::mutex& LibraryMutex() {
   static std::mutex mutex;
   return mutex;
-}
-
-Failure BadData(std::string message) {
-  return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2};
 }
 
 /// A text's type: fixed length, so that the bytes do not wander into a heap of the file.
@@ -62,18 +60,18 @@ Failure LastError(std::string_view what) {
         return 1;  // the first is the innermost: enough
       },
       &innermost);
-  return BadData(innermost.empty() ? std::string(what) : fmt::format("{}: {}", what, innermost));
+  return BadInput(innermost.empty() ? std::string(what) : fmt::format("{}: {}", what, innermost));
 }
 
 Result<Handle> OpenFile(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
-    return BadData(status.type() == std::filesystem::file_type::not_found ? "there is no such file"
-                                                                          : "cannot be read: " + error.message());
+    return BadInput(status.type() == std::filesystem::file_type::not_found ? "there is no such file"
+                                                                           : "cannot be read: " + error.message());
   }
-  if (!std::filesystem::is_regular_file(status)) return BadData("is not a file");
-  if (H5Fis_hdf5(path.c_str()) == 0) return BadData("is not an HDF5 file");
+  if (!std::filesystem::is_regular_file(status)) return BadInput("is not a file");
+  if (H5Fis_hdf5(path.c_str()) == 0) return BadInput("is not an HDF5 file");
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   if (!file.valid()) return LastError("cannot be opened as an HDF5 file");
   return file;
@@ -132,8 +130,8 @@ Result<Handle> OpenDataset(hid_t location, const std::string& path, const std::s
   if (!dataset.valid()) {
     Failure failure = LastError(fmt::format("there is no dataset \"{}\"", shown.empty() ? path : shown));
     if (const std::string other = LinkOut(location, path); !other.empty())
-      return BadData(fmt::format("\"{}\" is a link into another file, \"{}\", which is not followed",
-                                 shown.empty() ? path : shown, other));
+      return BadInput(fmt::format("\"{}\" is a link into another file, \"{}\", which is not followed",
+                                  shown.empty() ? path : shown, other));
     return failure;
   }
   return dataset;
@@ -149,7 +147,7 @@ Result<std::vector<std::string>> Names(bool tracked, Iterate iterate) {
   std::vector<std::string> sorted = names;
   std::ranges::sort(sorted);
   if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end())
-    return BadData(fmt::format("the name \"{}\" stands there twice: the file is damaged", *twice));
+    return BadInput(fmt::format("the name \"{}\" stands there twice: the file is damaged", *twice));
   return names;
 }
 
@@ -168,8 +166,8 @@ class NamesOfObjects {
       if (!object.valid() || H5Oget_info2(object.id(), &info, H5O_INFO_BASIC) < 0)
         return LastError(fmt::format("\"{}\" cannot be opened", names.front()));
       if (info.rc < names.size())
-        return BadData(fmt::format("\"{}\" are one object, which has {} name{}: the file is damaged",
-                                   fmt::join(names, "\", \""), info.rc, info.rc == 1 ? "" : "s"));
+        return BadInput(fmt::format("\"{}\" are one object, which has {} name{}: the file is damaged",
+                                    fmt::join(names, "\", \""), info.rc, info.rc == 1 ? "" : "s"));
     }
     return {};
   }
@@ -248,16 +246,16 @@ Result<Space> SpaceOf(hid_t object, const std::string& name) {
   const bool empty = std::ranges::count(read.shape, 0U) > 0;
   for (std::size_t i = 0; i < extents.size(); ++i) {
     if (extents[i] > most[i])
-      return BadData(fmt::format("{} has extents {}, of which at most {} are possible: the file is damaged", name,
-                                 fmt::join(extents, " x "), fmt::join(most, " x ")));
+      return BadInput(fmt::format("{} has extents {}, of which at most {} are possible: the file is damaged", name,
+                                  fmt::join(extents, " x "), fmt::join(most, " x ")));
     read.may_grow_to_a_limit |= extents[i] < most[i] && most[i] != H5S_UNLIMITED;
   }
   for (const std::size_t extent : read.shape) {
     if (__builtin_mul_overflow(read.count, empty ? std::min<std::size_t>(extent, 1) : extent, &read.count))
-      return BadData(fmt::format("{} has extents {}, more than can be counted", name, fmt::join(read.shape, " x ")));
+      return BadInput(fmt::format("{} has extents {}, more than can be counted", name, fmt::join(read.shape, " x ")));
   }
   if (read.count != static_cast<std::size_t>(points))
-    return BadData(fmt::format("{} has extents {}, but {} values", name, fmt::join(read.shape, " x "), points));
+    return BadInput(fmt::format("{} has extents {}, but {} values", name, fmt::join(read.shape, " x "), points));
   return read;
 }
 

@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/bad_input.h"
 #include "trace/hdf5_apart.h"
 #include "trace/hdf5_values.h"
 
 namespace dynoproof::trace::hdf5 {
 namespace {
-
-Failure BadData(std::string message) {
-  return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2};
-}
 
 /// The text of an H5T_STRING type's raw bytes, without its padding.
 std::string Unpad(std::string text, H5T_str_t padding) {
@@ -51,7 +48,7 @@ Result<std::string> ReadString(hid_t file_type, const std::string& what, Read re
   if (variable < 0) return LastError(what + " cannot be read");
   if (variable == 0) {
     const std::size_t size = H5Tget_size(file_type);
-    if (size > kLongestText) return BadData(fmt::format("{} has a text of {} bytes", what, size));
+    if (size > kLongestText) return BadInput(fmt::format("{} has a text of {} bytes", what, size));
     std::string text(size, '\0');
     if (read(file_type, text.data()) < 0) return LastError(what + " cannot be read");
     return Unpad(std::move(text), H5Tget_strpad(file_type));
@@ -67,7 +64,7 @@ Result<std::string> ReadString(hid_t file_type, const std::string& what, Read re
     const std::string found = raw == nullptr ? std::string() : std::string(raw, ::strnlen(raw, kLongestText));
     // One whose place in the heap the library does not find comes back as zeros.
     if (found.empty() && LengthOf(type.id(), read) > 0)
-      return BadData(what + " has a text that the file does not hold: the file is damaged; write it anew");
+      return BadInput(what + " has a text that the file does not hold: the file is damaged; write it anew");
     return found;
   });
   if (text.ok()) return text;
@@ -83,7 +80,7 @@ Result<std::string> ReadText(hid_t dataset, const std::string& name) {
   const Result<Space> space = SpaceOf(dataset, fmt::format("dataset \"{}\"", name));
   if (!space.ok()) return space.failure();
   if (H5Tget_class(type.id()) != H5T_STRING || !space->shape.empty()) {
-    return BadData(fmt::format("dataset \"{}\" is not one text", name));
+    return BadInput(fmt::format("dataset \"{}\" is not one text", name));
   }
   return ReadString(type.id(), fmt::format("dataset \"{}\"", name), [&](hid_t memory_type, void* out) {
     return H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out);
@@ -103,7 +100,7 @@ Result<Attribute> ReadAttribute(hid_t object, const std::string& name) {
   if (space->count != 1) return Attribute(Other{space->count});
   const H5T_class_t type_class = H5Tget_class(type.id());
   if ((type_class == H5T_INTEGER || type_class == H5T_FLOAT) && !IsUsual(type.id()))
-    return BadData(fmt::format("attribute \"{}\" is a number of an unusual form", name));
+    return BadInput(fmt::format("attribute \"{}\" is a number of an unusual form", name));
   switch (type_class) {
     case H5T_STRING: {
       Result<std::string> text =
@@ -134,9 +131,9 @@ Result<std::vector<double>> ReadNumbers(hid_t object, const std::string& name) {
   const Handle type(H5Aget_type(attribute.id()));
   const H5T_class_t type_class = H5Tget_class(type.id());
   if (type_class != H5T_INTEGER && type_class != H5T_FLOAT) return std::vector<double>();
-  if (!IsUsual(type.id())) return BadData(fmt::format("attribute \"{}\" holds numbers of an unusual form", name));
+  if (!IsUsual(type.id())) return BadInput(fmt::format("attribute \"{}\" holds numbers of an unusual form", name));
   constexpr std::size_t kMost = 1 << 16;  // attributes are short
-  if (space->count > kMost) return BadData(fmt::format("attribute \"{}\" has {} numbers", name, space->count));
+  if (space->count > kMost) return BadInput(fmt::format("attribute \"{}\" has {} numbers", name, space->count));
   std::vector<double> values(space->count);
   if (!values.empty() && H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0)
     return LastError(fmt::format("attribute \"{}\" cannot be read", name));

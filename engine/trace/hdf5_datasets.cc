@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/bad_input.h"
 #include "trace/hdf5_attributes.h"
 #include "trace/hdf5_meaning.h"
 #include "trace/hdf5_record.h"
@@ -17,8 +18,6 @@ namespace dynoproof::trace {
 namespace {
 
 using hdf5::Handle;
-
-Failure Bad(std::string message) { return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2}; }
 
 /// "path[3]" -> ("path", 3); nothing if the name has no such end.
 std::optional<std::pair<std::string, std::size_t>> SplitIndex(const std::string& name) {
@@ -72,9 +71,9 @@ Result<bool> IsBareDimension(hid_t dataset) {
   return text != nullptr && text->starts_with("This is a netCDF dimension but not a netCDF variable");
 }
 
-class Reader {
+class DatasetsReader {
  public:
-  Reader(hid_t file, std::span<const std::string> scaled_later) : file_(file), scaled_later_(scaled_later) {}
+  DatasetsReader(hid_t file, std::span<const std::string> scaled_later) : file_(file), scaled_later_(scaled_later) {}
 
   Result<Record> Asked(std::span<const std::string> wanted) {
     for (const std::string& name : wanted) {
@@ -101,7 +100,7 @@ class Reader {
     if (!record.ok() || !record->columns.empty()) return record;
     std::string message = "it holds no dataset of numbers that can be a column";
     for (const auto& [name, why] : record->left_out) message += fmt::format("\ndataset \"{}\" {}", name, why);
-    return Bad(message);
+    return BadInput(message);
   }
 
  private:
@@ -118,7 +117,7 @@ class Reader {
     const std::string extents = fmt::format("{}", fmt::join(shape, " x "));
     std::erase(shape, 1U);
     if (shape.size() > 2)
-      return Bad(fmt::format("dataset \"{}\" has extents {}, at most two may be above 1", planned.path, extents));
+      return BadInput(fmt::format("dataset \"{}\" has extents {}, at most two may be above 1", planned.path, extents));
     planned.samples = shape.empty() ? 1 : shape[0];
     if (shape.size() < 2) return {};
     planned.by_rows = shape[1] > shape[0];
@@ -153,16 +152,17 @@ class Reader {
     Result<Handle> dataset = hdf5::OpenDataset(file_, planned.path);
     if (!dataset.ok()) {
       if (!hdf5::LinkOut(file_, planned.path).empty()) return dataset.failure();
-      return Bad(fmt::format("there is no dataset \"{}\"; the file has: {}", planned.path, NamesOfNumbers()));
+      return BadInput(fmt::format("there is no dataset \"{}\"; the file has: {}", planned.path, NamesOfNumbers()));
     }
     planned.dataset = *std::move(dataset);
     if (!hdf5::HoldsNumbers(planned.dataset.id()))
-      return Bad(fmt::format("dataset \"{}\" {}", planned.path, KindOfType(planned.dataset.id())));
+      return BadInput(fmt::format("dataset \"{}\" {}", planned.path, KindOfType(planned.dataset.id())));
     const Result<hdf5::Space> space = hdf5::SpaceOf(planned.dataset.id(), fmt::format("dataset \"{}\"", planned.path));
     if (!space.ok()) return space.failure();
     if (Status s = Lay(planned, space->shape)) return s;
     if (planned.only && *planned.only >= planned.signals)
-      return Bad(fmt::format("dataset \"{}\" has {} columns, there is no \"{}\"", planned.path, planned.signals, name));
+      return BadInput(
+          fmt::format("dataset \"{}\" has {} columns, there is no \"{}\"", planned.path, planned.signals, name));
     Result<hdf5::Meaning> meaning =
         hdf5::ReadMeaning(planned.dataset.id(), planned.path, ScaledLater(name) || ScaledLater(planned.path));
     if (!meaning.ok()) return meaning.failure();
@@ -191,7 +191,7 @@ class Reader {
                       fmt::format("is a matrix of {} signals: name those to read, \"{}[0]\"", planned.signals, path)),
              Status();
     const Result<bool> bare = IsBareDimension(id);
-    if (!bare.ok()) return Bad(fmt::format("dataset \"{}\": {}", path, bare.failure().message));
+    if (!bare.ok()) return BadInput(fmt::format("dataset \"{}\": {}", path, bare.failure().message));
     if (*bare) return LeaveOut(path, "is a dimension without values"), Status();
     Result<hdf5::Meaning> meaning = hdf5::ReadMeaning(id, path, ScaledLater(path));
     if (!meaning.ok() && meaning.failure().signal != hdf5::kRefused) return meaning.failure();
@@ -223,7 +223,7 @@ class Reader {
     for (const Planned& planned : plan_) {
       const std::size_t signals = planned.only ? 1 : planned.signals;
       if (planned.samples > hdf5::kMostBytes || planned.samples * signals > hdf5::kMostBytes / sizeof(double) - values)
-        return Bad(
+        return BadInput(
             fmt::format("dataset \"{}\" is the one with which there are more than {} values to read: name the "
                         "datasets that are needed",
                         planned.path, hdf5::kMostBytes / sizeof(double)));
@@ -313,7 +313,7 @@ Result<Listing> ListAll(hid_t file) {
 
 Result<Record> ReadDatasets(hid_t file, std::span<const std::string> wanted,
                             std::span<const std::string> scaled_later) {
-  Reader reader(file, scaled_later);
+  DatasetsReader reader(file, scaled_later);
   return wanted.empty() ? reader.All() : reader.Asked(wanted);
 }
 

@@ -121,9 +121,9 @@ bool ChangesNothing(const std::vector<double>& numbers, double neutral) {
   return numbers.size() == 2 && numbers[0] + numbers[1] == 1.0 && numbers[0] * numbers[1] == 0.0;
 }
 
-class Reader {
+class MeaningReader {
  public:
-  Reader(hid_t dataset, const std::string& name, bool scaled_later)
+  MeaningReader(hid_t dataset, const std::string& name, bool scaled_later)
       : dataset_(dataset), name_(name), scaled_later_(scaled_later), type_(H5Dget_type(dataset)) {
     is_integer_ = H5Tget_class(type_.id()) == H5T_INTEGER;
     meaning_.is_signed = !is_integer_ || H5Tget_sign(type_.id()) != H5T_SGN_NONE;
@@ -276,7 +276,7 @@ void Meaning::Apply(std::vector<double>& values) const {
 }
 
 Result<Meaning> ReadMeaning(hid_t dataset, const std::string& name, bool scaled_later) {
-  return Reader(dataset, name, scaled_later).Read();
+  return MeaningReader(dataset, name, scaled_later).Read();
 }
 
 Result<std::vector<double>> ReadMeasured(hid_t dataset, const std::string& name, const Meaning& meaning) {

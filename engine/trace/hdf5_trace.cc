@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/bad_input.h"
 #include "base/units.h"
 #include "trace/hdf5_attributes.h"
 #include "trace/hdf5_meaning.h"
@@ -19,12 +20,10 @@ namespace {
 
 using hdf5::Handle;
 
-Failure Bad(std::string message) { return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2}; }
-
 /// Reads one file; keeps track of the time bases met so far.
-class Reader {
+class TraceReader {
  public:
-  explicit Reader(hid_t file) : file_(file) {}
+  explicit TraceReader(hid_t file) : file_(file) {}
 
   Result<Trace> Read() {
     if (Result<std::size_t> base = TimeBase("/time"); !base.ok()) return base.failure();
@@ -57,10 +56,12 @@ class Reader {
     const Result<hdf5::Space> space = hdf5::SpaceOf(dataset, fmt::format("dataset \"{}\"", shown));
     if (!space.ok()) return space.failure();
     const std::vector<std::size_t>& shape = space->shape;
-    if (shape.size() != 1) return Bad(fmt::format("dataset \"{}\" has rank {}, it must be 1", shown, shape.size()));
+    if (shape.size() != 1)
+      return BadInput(fmt::format("dataset \"{}\" has rank {}, it must be 1", shown, shape.size()));
     constexpr std::size_t kMost = hdf5::kMostBytes / sizeof(double);
     if (shape[0] <= kMost && (values_ += shape[0]) > kMost)  // one that is larger by itself is refused on reading
-      return Bad(fmt::format("dataset \"{}\" is the one with which the file has more than {} values", shown, kMost));
+      return BadInput(
+          fmt::format("dataset \"{}\" is the one with which the file has more than {} values", shown, kMost));
     return hdf5::ReadMeasured(dataset, shown, meaning);
   }
 
@@ -76,7 +77,7 @@ class Reader {
     if (!meaning->unit.empty()) {
       const std::optional<Unit> unit = ParseUnit(meaning->unit);
       if (!unit || !SameQuantity(*unit, *ParseUnit("s")))
-        return Bad(fmt::format("dataset \"{}\" has the unit \"{}\", which is none of time", path, meaning->unit));
+        return BadInput(fmt::format("dataset \"{}\" has the unit \"{}\", which is none of time", path, meaning->unit));
       if (unit->factor != 1.0) {
         for (double& stamp : *time) stamp *= unit->factor;
       }
@@ -111,13 +112,13 @@ class Reader {
     if (const auto* real = std::get_if<double>(&*nominal)) signal.nominal = *real;
     if (const auto* integer = std::get_if<std::int64_t>(&*nominal)) signal.nominal = static_cast<double>(*integer);
     if (std::holds_alternative<std::string>(*nominal) || std::holds_alternative<hdf5::Other>(*nominal)) {
-      return Bad(fmt::format("dataset \"{}\": attribute \"nominal\" is not a number", path));
+      return BadInput(fmt::format("dataset \"{}\": attribute \"nominal\" is not a number", path));
     }
     std::string interpolation{ToText(signal.interpolation)};
     if (Status s = ReadTextAttribute(id, path, "interpolation", interpolation)) return s;
     const std::optional<Interpolation> parsed = ParseInterpolation(interpolation);
     if (!parsed) {
-      return Bad(
+      return BadInput(
           fmt::format("dataset \"{}\": interpolation \"{}\" is neither \"linear\" nor \"hold\"", path, interpolation));
     }
     signal.interpolation = *parsed;
@@ -125,11 +126,11 @@ class Reader {
     std::string time = "/time";
     if (Status s = ReadTextAttribute(id, path, "time", time)) return s;
     const Result<std::size_t> base = TimeBase(time);
-    if (!base.ok()) return Bad(fmt::format("dataset \"{}\": its time base: {}", path, base.failure().message));
+    if (!base.ok()) return BadInput(fmt::format("dataset \"{}\": its time base: {}", path, base.failure().message));
     signal.time_base = *base;
     if (const std::size_t stamps = trace_.TimeOf(signal).size(); signal.values.size() != stamps) {
-      return Bad(fmt::format("dataset \"{}\" has {} values, its time base \"{}\" {}", path, signal.values.size(), time,
-                             stamps));
+      return BadInput(fmt::format("dataset \"{}\" has {} values, its time base \"{}\" {}", path, signal.values.size(),
+                                  time, stamps));
     }
     trace_.signals.push_back(std::move(signal));
     return {};
@@ -137,13 +138,13 @@ class Reader {
 
   static Status ReadTextAttribute(hid_t object, const std::string& path, const std::string& name, std::string& text) {
     const Result<hdf5::Attribute> value = hdf5::ReadAttribute(object, name);
-    if (!value.ok()) return Bad(fmt::format("dataset \"{}\": {}", path, value.failure().message));
+    if (!value.ok()) return BadInput(fmt::format("dataset \"{}\": {}", path, value.failure().message));
     if (std::holds_alternative<std::monostate>(*value) || *value == hdf5::Attribute(hdf5::Other{0})) return {};
     if (const auto* found = std::get_if<std::string>(&*value)) {
       text = *found;
       return {};
     }
-    return Bad(fmt::format("dataset \"{}\": attribute \"{}\" is not a text", path, name));
+    return BadInput(fmt::format("dataset \"{}\": attribute \"{}\" is not a text", path, name));
   }
 
   Status ReadProvenance() {
@@ -154,7 +155,7 @@ class Reader {
     if (!names.ok()) return names.failure();
     for (const std::string& name : *names) {
       const Result<hdf5::Attribute> value = hdf5::ReadAttribute(group->id(), name);
-      if (!value.ok()) return Bad("group \"/provenance\": " + value.failure().message);
+      if (!value.ok()) return BadInput("group \"/provenance\": " + value.failure().message);
       if (const auto* text = std::get_if<std::string>(&*value)) trace_.provenance.texts.emplace_back(name, *text);
       if (const auto* count = std::get_if<std::int64_t>(&*value)) trace_.provenance.counters.emplace_back(name, *count);
     }
@@ -178,7 +179,7 @@ bool HasTraceLayout(hid_t file) {
 }
 
 Result<Trace> ReadTraceFrom(hid_t file) {
-  Result<Trace> trace = Reader(file).Read();
+  Result<Trace> trace = TraceReader(file).Read();
   if (trace.ok()) return trace;
   Failure failure = trace.failure();
   failure.signal.clear();

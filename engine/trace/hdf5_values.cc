@@ -10,12 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "base/bad_input.h"
+
 namespace dynoproof::trace::hdf5 {
 namespace {
-
-Failure BadData(std::string message) {
-  return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2};
-}
 
 /// Notes that the bytes belong to a dataset, and says whether no other has them: two that share bytes are a damaged
 /// address. `chunked`: addresses of pieces, which count from another place than those of whole datasets.
@@ -187,9 +185,9 @@ bool HoldsNumbers(hid_t dataset) {
 }
 
 Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name) {
-  if (!HoldsNumbers(dataset)) return BadData(fmt::format("dataset \"{}\" does not hold numbers", name));
+  if (!HoldsNumbers(dataset)) return BadInput(fmt::format("dataset \"{}\" does not hold numbers", name));
   const Handle type(H5Dget_type(dataset));
-  if (!IsUsual(type.id())) return BadData(fmt::format("dataset \"{}\" holds numbers of an unusual form", name));
+  if (!IsUsual(type.id())) return BadInput(fmt::format("dataset \"{}\" holds numbers of an unusual form", name));
   const Result<Space> space = SpaceOf(dataset, fmt::format("dataset \"{}\"", name));
   if (!space.ok()) return space.failure();
   const hsize_t count = space->count;
@@ -198,12 +196,13 @@ Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name) 
   const hsize_t stored = H5Dget_storage_size(dataset);
   constexpr hsize_t kLargestRatio = 1100;
   if (count > kMostBytes / sizeof(double))
-    return BadData(fmt::format("dataset \"{}\" promises {} values, of which at most {} are read", name, count,
-                               kMostBytes / sizeof(double)));
+    return BadInput(fmt::format("dataset \"{}\" promises {} values, of which at most {} are read", name, count,
+                                kMostBytes / sizeof(double)));
   if (stored > 0 && count * H5Tget_size(type.id()) / kLargestRatio > stored)
-    return BadData(fmt::format("dataset \"{}\" promises {} values, but only {} bytes are stored", name, count, stored));
+    return BadInput(
+        fmt::format("dataset \"{}\" promises {} values, but only {} bytes are stored", name, count, stored));
   if (const std::string fault = FaultOfStorage(dataset, *space, type.id()); !fault.empty())
-    return BadData(fmt::format("dataset \"{}\" {}", name, fault));
+    return BadInput(fmt::format("dataset \"{}\" {}", name, fault));
   try {
     std::vector<double> values(static_cast<std::size_t>(count));
     if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
@@ -211,7 +210,7 @@ Result<std::vector<double>> ReadDoubles(hid_t dataset, const std::string& name) 
     }
     return values;
   } catch (const std::bad_alloc&) {
-    return BadData(fmt::format("dataset \"{}\" with {} values does not fit into memory", name, count));
+    return BadInput(fmt::format("dataset \"{}\" with {} values does not fit into memory", name, count));
   }
 }
 

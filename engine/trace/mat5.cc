@@ -16,7 +16,7 @@
 namespace dynoproof::trace::mat {
 namespace {
 
-constexpr std::uint64_t kHeader = 128, kTag = 8;
+constexpr std::uint64_t kFileHeader = 128, kTag = 8;
 
 /// Types of elements that have a part here, by the numbers that the format gives them.
 enum Type : std::uint32_t {
@@ -271,14 +271,14 @@ bool LooksLike5(const char* header) {
 
 Content ReadMat5(std::istream& file, std::uint64_t size) {
   Content content;
-  std::uint64_t at = kHeader, budget = kMostUnpackedBytes;
+  std::uint64_t at = kFileHeader, budget = kMostUnpackedBytes;
   const auto fault = [&](const std::string& what) {
     content.fault = fmt::format("the element at byte {} {}", at, what);
     return std::move(content);
   };
-  char header[kHeader];
+  char header[kFileHeader];
   file.seekg(0);
-  if (!file.read(header, kHeader)) {
+  if (!file.read(header, kFileHeader)) {
     content.fault = "its header is not whole";
     return content;
   }

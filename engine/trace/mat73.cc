@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/bad_input.h"
 #include "trace/hdf5.h"
 #include "trace/hdf5_apart.h"
 #include "trace/hdf5_attributes.h"
@@ -29,15 +30,13 @@ namespace {
 
 using hdf5::Handle;
 
-Failure Bad(std::string message) { return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2}; }
-
 /// The text of an attribute; "" where there is none. Failure: it is no text.
 Result<std::string> TextOf(hid_t object, const std::string& name) {
   const Result<hdf5::Attribute> value = hdf5::ReadAttribute(object, name);
   if (!value.ok()) return value.failure();
   if (std::holds_alternative<std::monostate>(*value)) return std::string();
   const auto* const text = std::get_if<std::string>(&*value);
-  if (text == nullptr) return Bad(fmt::format("attribute \"{}\" is not one text", name));
+  if (text == nullptr) return BadInput(fmt::format("attribute \"{}\" is not one text", name));
   return *text;
 }
 
@@ -81,7 +80,7 @@ Result<std::string> WhyNot(hid_t dataset, H5T_order_t order) {
     const Result<hdf5::Attribute> empty = hdf5::ReadAttribute(dataset, "MATLAB_empty");
     if (!empty.ok()) return empty.failure();
     const auto* const value = std::get_if<std::int64_t>(&*empty);
-    if (value == nullptr) return Bad("attribute \"MATLAB_empty\" is not one whole number");
+    if (value == nullptr) return BadInput("attribute \"MATLAB_empty\" is not one whole number");
     if (*value != 0) return std::string("is empty");
   }
   const Handle type(H5Dget_type(dataset));
@@ -89,9 +88,9 @@ Result<std::string> WhyNot(hid_t dataset, H5T_order_t order) {
     case H5T_INTEGER:
     case H5T_FLOAT:
       if (!class_name->empty() && !IsOfClass(type.id(), *class_name))
-        return Bad(fmt::format("its numbers are not stored as the class \"{}\" is, which it names", *class_name));
+        return BadInput(fmt::format("its numbers are not stored as the class \"{}\" is, which it names", *class_name));
       if (order != H5T_ORDER_NONE && H5Tget_size(type.id()) > 1 && H5Tget_order(type.id()) != order)
-        return Bad("its numbers are not in the order of bytes that the head of the file names");
+        return BadInput("its numbers are not in the order of bytes that the head of the file names");
       return std::string();
     case H5T_STRING:
       return std::string(kIsText);
@@ -111,22 +110,22 @@ Result<Matrix> ReadDataset(hid_t file, H5T_order_t order, const std::string& nam
   const Result<Handle> dataset = hdf5::OpenDataset(file, name);
   if (!dataset.ok()) return dataset.failure();
   Result<std::string> why = WhyNot(dataset->id(), order);
-  if (!why.ok()) return Bad(fmt::format("variable \"{}\": {}", name, why.failure().message));
+  if (!why.ok()) return BadInput(fmt::format("variable \"{}\": {}", name, why.failure().message));
   matrix.why_not = *std::move(why);
   if (!matrix.why_not.empty()) return matrix;
   const Result<hdf5::Space> space = hdf5::SpaceOf(dataset->id(), fmt::format("variable \"{}\"", name));
   if (!space.ok()) return space.failure();
   // Nobody writes such a variable, and nothing else in the file vouches for its extents.
   if (space->may_grow_to_a_limit)
-    return Bad(fmt::format("variable \"{}\" has extents {}, which are not those that it was given", name,
-                           fmt::join(space->shape, " x ")));
+    return BadInput(fmt::format("variable \"{}\" has extents {}, which are not those that it was given", name,
+                                fmt::join(space->shape, " x ")));
   matrix.extents = space->shape;
   std::ranges::reverse(matrix.extents);
   if (std::ranges::count_if(matrix.extents, [](std::size_t n) { return n > 1; }) > 2) return matrix;  // never a column
   values += std::min(space->count, hdf5::kMostBytes);
   if (values > hdf5::kMostBytes / sizeof(double))
-    return Bad(fmt::format("variable \"{}\" is the one with which there are more than {} values", name,
-                           hdf5::kMostBytes / sizeof(double)));
+    return BadInput(fmt::format("variable \"{}\" is the one with which there are more than {} values", name,
+                                hdf5::kMostBytes / sizeof(double)));
   const Result<hdf5::Meaning> meaning = hdf5::ReadMeaning(dataset->id(), name);
   if (!meaning.ok()) return meaning.failure();
   Result<std::vector<double>> read = hdf5::ReadMeasured(dataset->id(), name, *meaning);

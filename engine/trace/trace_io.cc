@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/atomic_file.h"
+#include "base/bad_input.h"
 #include "trace/hdf5.h"
 #include "trace/hdf5_apart.h"
 #include "trace/hdf5_trace.h"
@@ -46,8 +47,6 @@ Failure Broken(Failure failure, int exit_code, const std::string& where = {}) {
   if (failure.signal.empty()) failure.signal = where;
   return failure;
 }
-
-Failure Bad(std::string message) { return {.message = std::move(message), .signal = {}, .time_s = {}, .exit_code = 2}; }
 
 std::string Join(const std::vector<std::string>& problems) {
   constexpr std::size_t kMost = 20;
@@ -114,7 +113,7 @@ Status WriteAll(hid_t file, const Trace& trace, const hdf5::Storage& storage) {
 Result<std::vector<std::byte>> ToImage(const Trace& trace, const WriteOptions& options) {
   std::vector<std::string> problems = Validate(trace);
   std::ranges::move(ValidateProvenance(trace.provenance), std::back_inserter(problems));
-  if (!problems.empty()) return Broken(Bad(Join(problems)), 3);
+  if (!problems.empty()) return Broken(BadInput(Join(problems)), 3);
 
   const hdf5::Session session;
   const std::size_t bytes = CountValues(trace) * sizeof(double);
@@ -150,7 +149,7 @@ Result<Trace> ReadTrace(const std::filesystem::path& path) {
   Result<Trace> trace = ReadTraceUnchecked(path);
   if (!trace.ok()) return trace;
   if (const std::vector<std::string> problems = Validate(*trace); !problems.empty()) {
-    return Broken(Bad(Join(problems)), 2, path.string());
+    return Broken(BadInput(Join(problems)), 2, path.string());
   }
   return trace;
 }

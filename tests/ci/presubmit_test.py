@@ -18,7 +18,7 @@ class Presubmit(unittest.TestCase):
         self.tree = self.folder / "tree"
         (self.tree / "ci").mkdir(parents=True)
         shutil.copy(ROOT / "ci/presubmit.sh", self.tree / "ci")
-        for check in ("layers", "names", "nan", "links"):
+        for check in ("layers", "names", "twins", "nan", "links"):
             self.write(f"ci/check_{check}.py", "#!/bin/sh\n:\n")
         self.write("ci/sound.sh", "#!/usr/bin/env bash\necho sound\n")
         self.write("a.h", "int a();\n")

@@ -7,8 +7,6 @@
 namespace dynoproof::effects {
 namespace {
 
-constexpr double kShape = std::numeric_limits<double>::quiet_NaN();
-
 /// Shafts with law kelvin_voigt that has no drift yet.
 std::vector<Place> Couplings(const PlantTraits& plant, const Plan& plan, bool damped) {
   std::vector<Place> places;

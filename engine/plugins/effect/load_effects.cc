@@ -9,8 +9,6 @@
 namespace dynoproof::effects {
 namespace {
 
-constexpr double kShape = std::numeric_limits<double>::quiet_NaN();  // no value of a shape parameter is neutral
-
 // Bounds for drive lines of 0.001 ... 100 kg m^2 under 1 ... 20000 N m. A friction above the largest torque would hold
 // the line for ever; the dampings brake with that torque at the slowest speeds of interest, about 10 rad/s. Strengths
 // start small but above 0, where a relative step of a fit still changes something; what is linear and of either sign

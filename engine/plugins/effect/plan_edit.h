@@ -2,6 +2,7 @@
 // The layout of a drive line's scenario is in engine/plugins/plant/drive_line/README.md.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "model/effect.h"
 
 namespace dynoproof::effects {
+
+/// The neutral value of a shape parameter: it has none.
+inline constexpr double kShape = std::numeric_limits<double>::quiet_NaN();
 
 /// The table [plant] when the sections of a drive line in it are tables, else null. Whether the plant is one at all its
 /// traits say.

@@ -13,8 +13,6 @@
 namespace dynoproof::effects {
 namespace {
 
-constexpr double kShape = std::numeric_limits<double>::quiet_NaN();
-
 using Names = std::vector<std::string>;
 
 bool Contains(const Names& names, std::string_view name) {
