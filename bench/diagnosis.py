@@ -3,6 +3,7 @@
 
   bench/diagnosis.py run build out.json [--jobs 2] [--share 0.1]   diagnoses the set; goes on where it was interrupted
   bench/diagnosis.py run build out.json --inexact                  the same in worlds that no model matches
+  bench/diagnosis.py run build out.json --quiet                    each effect in a record without noise, as of a newcomer's run
   bench/diagnosis.py compare before.json after.json                who changed, whether it can be chance, CPU seconds
 
 Two programs are told apart by the same cases, not by figures over other draws: of 300 cases some 10 change by a good step,
@@ -18,6 +19,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import zlib
 
 ALL = ["backlash", "charge_air", "coupling", "fuel_gas", "heavy_duty_lumped", "heavy_duty_soft", "r2r_soft"]
 INDEPENDENT = ["charge_air", "fuel_gas", "heavy_duty_lumped"]
@@ -33,6 +35,7 @@ SET = [
     ("pair", "reference", ALL, 30, 2807),
 ]
 INEXACT = [("effect", "inexact", ALL, 200, 3401), ("null", "inexact", ALL, 100, 3401)]
+QUIET_SEED = 350_100_000
 DURATION_S = 1
 MOST_CPU_S = 300  # the goal for the longest case; what takes longer is stopped and counts as that
 
@@ -41,11 +44,26 @@ def key(case):
     return f"{case['kind']} {case['seed']} {case['number']}"
 
 
+def quiet(build):
+    """Each effect that the program knows, by a seed of its own, which stays when others come."""
+    listed = subprocess.run([f"{build}/dynoproof", "list", "--json", "-"], capture_output=True, text=True, check=True)
+    return [("effect", f"quiet {one['name']}", ALL, 1, QUIET_SEED + zlib.crc32(one["name"].encode()) % 100_000)
+            for one in json.loads(listed.stdout)["effects"]]
+
+
+def world(generator):
+    """The options of blind_suite that make it."""
+    if generator == "inexact":
+        return ["--inexact"]
+    if generator.startswith("quiet "):
+        return ["--generator", "reference", "--noise", "0", "--effect", generator.removeprefix("quiet ")]
+    return ["--generator", generator]
+
+
 def diagnose(build, kind, generator, scenarios, seed, number, folder):
     """One case as blind_suite tells it; None where the draw does not count."""
     out = pathlib.Path(folder) / f"{kind}_{seed}_{number}"
-    world = ["--inexact"] if generator == "inexact" else ["--generator", generator]
-    command = [f"{build}/tests/blind_suite", f"{build}/dynoproof", "--kind", kind, *world, "--seed", str(seed), "--number", str(number),
+    command = [f"{build}/tests/blind_suite", f"{build}/dynoproof", "--kind", kind, *world(generator), "--seed", str(seed), "--number", str(number),
                "--cases", "1", "--duration", str(DURATION_S), "--most-cpu", str(MOST_CPU_S), "--out", str(out), "--json", f"{out}.json"]
     for name in scenarios:
         command += ["--scenario", f"diagnose/{name}"]
@@ -178,14 +196,17 @@ def main():
     one.add_argument("file", type=pathlib.Path, help="results; cases that it has already are kept")
     one.add_argument("--jobs", type=int, default=2)
     one.add_argument("--share", type=float, default=1.0, help="the first part of each kind only, 0 ... 1")
-    one.add_argument("--inexact", action="store_true", help="worlds that no model matches (tests/blind/inexact.h), in place of the set")
+    which = one.add_mutually_exclusive_group()
+    which.add_argument("--inexact", action="store_true", help="worlds that no model matches (tests/blind/inexact.h), in place of the set")
+    which.add_argument("--quiet", action="store_true", help="each effect once, in a record without noise, in place of the set")
     two = commands.add_parser("compare")
     two.add_argument("before", type=pathlib.Path)
     two.add_argument("after", type=pathlib.Path)
     arguments = parser.parse_args()
     if arguments.command == "run":
-        run(os.path.abspath(arguments.build), arguments.file.resolve(), arguments.jobs, arguments.share,
-            INEXACT if arguments.inexact else SET)
+        build = os.path.abspath(arguments.build)
+        specs = INEXACT if arguments.inexact else quiet(build) if arguments.quiet else SET
+        run(build, arguments.file.resolve(), arguments.jobs, arguments.share, specs)
     else:
         compare(arguments.before, arguments.after)
 

@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -39,6 +40,27 @@ class Compare(unittest.TestCase):
         for causes in ([CASE["causes"][0] | {"at": "output:p"}], []):
             with self.assertRaisesRegex(SystemExit, "drawn differently"):
                 compared(CASE | {"causes": causes})
+
+
+class Quiet(unittest.TestCase):
+    def test_each_effect_has_a_seed_of_its_own_that_stays(self):
+        with tempfile.TemporaryDirectory() as build:
+            program = pathlib.Path(build) / "dynoproof"
+
+            def seeds(*names):
+                program.write_text("#!/bin/sh\necho '%s'\n" % json.dumps({"effects": [{"name": name} for name in names]}))
+                program.chmod(0o755)
+                return {generator: seed for _, generator, _, _, seed in diagnosis.quiet(build)}
+
+            names = (pathlib.Path(diagnosis.__file__).parents[1] / "tests/conformance/effects_test.cc").read_text()
+            known = re.findall(r'^    \{"(\w+)",', names, re.M)
+            self.assertGreater(len(known), 30)
+            all_of_them = seeds(*known)
+            self.assertEqual(len(set(all_of_them.values())), len(known))
+            self.assertEqual(seeds("leakage")["quiet leakage"], all_of_them["quiet leakage"])
+
+    def test_is_asked_of_the_blind_suite_without_noise(self):
+        self.assertEqual(diagnosis.world("quiet leakage"), ["--generator", "reference", "--noise", "0", "--effect", "leakage"])
 
 
 if __name__ == "__main__":
