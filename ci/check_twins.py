@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""A build from nothing compiles several sources of a layer as one (dynoproof_several in CMakeLists.txt), in which two constants,
-classes or functions of one name collide. Such a name is mostly one thing that stands twice: give it a place that both include.
-Fails on each. Functions of one name with other parameters are apart. check_twins.py [ROOT]"""
+"""Two constants, classes or functions of one name in two sources of a layer are mostly one thing that stands twice: give it a place
+that both include. Fails on each. Functions of one name with other parameters are apart. check_twins.py [ROOT]"""
 import collections
 import pathlib
 import re

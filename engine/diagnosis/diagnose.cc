@@ -33,7 +33,7 @@ bool Hold(const Plan& plan, std::vector<MappedRecord>& records) {
   return changes;
 }
 
-/// What a search is asked about.
+/// The scenario, records and options of a search.
 struct Question {
   const Plan& plan;
   const Registry& registry;

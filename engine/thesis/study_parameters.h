@@ -8,7 +8,7 @@
 
 namespace dynoproof {
 
-/// What a study answers whose parameters are missing or wrong (exit code 2).
+/// The failure of a study because of its parameters (exit code 2).
 Failure BadStudy(std::string why);
 
 /// A number of the claim's table.
