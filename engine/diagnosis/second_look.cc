@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "diagnosis/first_look.h"
 #include "diagnosis/policy.h"
@@ -34,6 +35,23 @@ bool NearEnough(const Contestant& one) {
     });
   }
   return false;
+}
+
+/// The half of the best pair, which comes first, that most of these pairs share: a search on top of it meets them all. Where they
+/// share neither, that on top of which the pair was found.
+std::size_t SharedHalf(const Contest& contest, std::span<const Base> pairs) {
+  const auto count = [&](std::size_t contestant) {
+    const estimation::Hypothesis::Applied& half = contest.contestants[contestant].hypothesis.effects().back();
+    return std::ranges::count_if(
+        pairs, [&](const Base& base) { return std::ranges::count(base.pair.hypothesis.effects(), half) > 0; });
+  };
+  const auto& best = pairs.front().pair.hypothesis.effects();
+  std::size_t chosen = pairs.front().contestant;
+  for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
+    if (std::ranges::count(best, contest.contestants[i].hypothesis.effects().back()) > 0 && count(i) > count(chosen))
+      chosen = i;
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -76,16 +94,19 @@ std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled
   const auto left = [&](const Base& base) { return LogExcess(base.fit().scales, levels.data()); };
   const bool less = of_leader == bases.end() || left(*of_leader) - left(best) > std::log(policy::kMarginBest);
   const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
+  const auto behind = std::ranges::find_if(
+      bases, [&](const Base& base) { return left(base) - left(best) > std::log(policy::kMarginBest); });
+  const std::size_t half = SharedHalf(contest, {bases.begin(), behind});
   JournalEntry entry{"second look",
                      {best.pair.Name()},
                      "excess of the best pair on top of each, " + levels.Name(best.level),
                      {},
-                     takes    ? "goes on from " + contest.contestants[best.contestant].Name()
+                     takes    ? "goes on from " + contest.contestants[half].Name()
                      : leader ? "goes on from " + contest.contestants[*leader].Name()
                               : "none is near the noise"};
   for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * left(base)));
   journal.push_back(std::move(entry));
-  return takes ? best.contestant : leader;
+  return takes ? half : leader;
 }
 
 }  // namespace dynoproof::diagnosis

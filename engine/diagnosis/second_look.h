@@ -25,7 +25,8 @@ std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, con
                                const Registry& registry, const Conduct& conduct);
 
 /// The contestant on top of which a further cause is looked for: the cause that was found, or the effect that explains most;
-/// but a half of the best pair, where that pair leaves less than the leader does with any second effect. Under the priors the
+/// but a half of the best pair, where that pair leaves less than the leader does with any second effect: the half that other pairs
+/// share which leave as little. Under the priors the
 /// leader, its best pair, or without a leader the best of all pairs has to be near the noise. Nothing: on top of none.
 std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled, const std::vector<Base>& bases,
                                   const Levels& levels, Journal& journal);

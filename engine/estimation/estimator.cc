@@ -18,16 +18,42 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kLoudest = 2.0;       // times the noise alone of the start: a louder loop is no model any more
-constexpr double kStraight = 1e3;      // rows of a channel: the constant beside the noise's part
-constexpr double kSettledScale = 0.1;  // change of s at which a renewal may be the last
-constexpr double kCentralStep = 1e-4;  // 1e-6 of a stiffness known to 1 %: a mode turns by 1e-3 rad in 500 periods
+constexpr double kLoudest = 2.0;        // times the noise alone of the start: a louder loop is no model any more
+constexpr double kNextToNothing = 0.1;  // of what a fit asks for: its next columns tell whether there is more
+constexpr double kStraight = 1e3;       // rows of a channel: the constant beside the noise's part
+constexpr double kSettledScale = 0.1;   // change of s at which a renewal may be the last
+constexpr double kCentralStep = 1e-4;   // 1e-6 of a stiffness known to 1 %: a mode turns by 1e-3 rad in 500 periods
 
 /// One simulated point.
 struct Point {
   VectorXd q, innovations, noise_alone;
   bool rough = false;
 };
+
+/// The coordinates on a bound that a descent would leave by it: beside them the others find their minimum.
+std::vector<Index> HeldByBounds(const VectorXd& gradient, const VectorXd& q, const VectorXd& lower,
+                                const VectorXd& upper) {
+  std::vector<Index> held;
+  for (Index i = 0; i < q.size(); ++i) {
+    if ((q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0)) held.push_back(i);
+  }
+  return held;
+}
+
+/// The decrease of the criterion that a Gauss-Newton step within the bounds promises (Newton decrement).
+double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const VectorXd& q, const VectorXd& lower,
+                   const VectorXd& upper) {
+  const VectorXd gradient = columns.transpose() * weighted;
+  const std::vector<Index> held = HeldByBounds(gradient, q, lower, upper);
+  std::vector<Index> free;
+  for (Index i = 0; i < q.size(); ++i) {
+    if (std::ranges::find(held, i) == held.end()) free.push_back(i);
+  }
+  if (free.empty()) return 0.0;
+  const Eigen::MatrixXd own = columns(Eigen::all, free);
+  const VectorXd slope = gradient(free);
+  return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
+}
 
 class Residual : public ceres::CostFunction {
  public:
@@ -102,12 +128,17 @@ class Residual : public ceres::CostFunction {
     if (kept_.size() > 0) {
       Follow(q, weighted);
       jacobian = kept_;
-      return true;
+    } else {
+      const std::optional<RowMajor> columns = ColumnsAt(*here, weighted);
+      if (!columns) return false;
+      jacobian = *columns;
     }
-    const std::optional<RowMajor> columns = ColumnsAt(*here, weighted);
-    if (columns) jacobian = *columns;
-    return columns.has_value();
+    promised_ = DecrementOf(jacobian, weighted, q, hypothesis_.lower(), hypothesis_.upper());
+    return true;
   }
+
+  /// The Newton decrement of Q at the point whose columns were asked for last.
+  double promised() const { return promised_; }
 
   /// d weighted / d q, by differences; nothing where a run breaks. What was found last is kept, for where a descent found
   /// nothing lower its beginning is asked again.
@@ -216,6 +247,7 @@ class Residual : public ceres::CostFunction {
   mutable VectorXd kept_at_, kept_weighted_;
   mutable RowMajor columns_;  // found last
   mutable VectorXd columns_at_, columns_about_;
+  mutable double promised_ = 0.0;
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -252,47 +284,27 @@ std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovati
 
 namespace {
 
-/// The coordinates on a bound that a descent would leave by it: beside them the others find their minimum.
-std::vector<Index> HeldByBounds(const VectorXd& gradient, const VectorXd& q, const VectorXd& lower,
-                                const VectorXd& upper) {
-  std::vector<Index> held;
-  for (Index i = 0; i < q.size(); ++i) {
-    if ((q[i] <= lower[i] && gradient[i] > 0.0) || (q[i] >= upper[i] && gradient[i] < 0.0)) held.push_back(i);
-  }
-  return held;
-}
-
-/// The decrease of the criterion that a Gauss-Newton step within the bounds promises (Newton decrement).
-double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const VectorXd& q, const VectorXd& lower,
-                   const VectorXd& upper) {
-  const VectorXd gradient = columns.transpose() * weighted;
-  const std::vector<Index> held = HeldByBounds(gradient, q, lower, upper);
-  std::vector<Index> free;
-  for (Index i = 0; i < q.size(); ++i) {
-    if (std::ranges::find(held, i) == held.end()) free.push_back(i);
-  }
-  if (free.empty()) return 0.0;
-  const Eigen::MatrixXd own = columns(Eigen::all, free);
-  const VectorXd slope = gradient(free);
-  return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
-}
-
-/// Ends a descent where it has looked at as many points as it may, or where its kept columns no longer lead: Broyden's update changes
-/// them along the last step alone, so that in a curved valley each step gains a part of what it promised, and the radius stays small.
+/// Ends a descent where it has looked at as many points as it may, where its columns promise next to nothing, or where kept ones no
+/// longer lead: Broyden's update changes them along the last step alone, so that in a curved valley each step gains a part of what it
+/// promised, and the radius stays small. A step that gains little is no end: within a small radius it may leave nearly all that there is
+/// to gain, where numbers make up for each other.
 class DescentEnd : public ceres::IterationCallback {
  public:
-  DescentEnd(const Residual& residual, std::int64_t most) : residual_(residual), most_(most) {}
+  DescentEnd(const Residual& residual, double converged, std::int64_t most)
+      : residual_(residual), converged_(converged), most_(most) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
     const bool poor = step.iteration > 0 && residual_.keeps_columns() && step.relative_decrease < kPoor;
     poor_ = poor ? poor_ + 1 : 0;
-    const bool ended = residual_.points() >= most_ || poor_ == kPoorSteps;
-    return ended ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    const bool exhausted = step.iteration > 0 && residual_.promised() < kNextToNothing * converged_;
+    return residual_.points() >= most_ || poor_ == kPoorSteps || exhausted ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                                           : ceres::SOLVER_CONTINUE;
   }
 
  private:
   static constexpr double kPoor = 0.5;  // of what a step promised: Ceres leaves the radius as it is at half
   static constexpr int kPoorSteps = 3;  // one after the other
   const Residual& residual_;
+  double converged_;  // what the fit asks for
   std::int64_t most_;
   int poor_ = 0;
 };
@@ -316,7 +328,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = 0.1 * converged / squares;
+  solver.function_tolerance = kNextToNothing * converged / squares;
   solver.parameter_tolerance = 1e-10;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
@@ -329,10 +341,10 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
     // at first turns the next but one. From Ceres' own radius on the fifth would turn.
     solver.max_num_line_search_step_size_iterations = 1;
     solver.initial_trust_region_radius = 30.0;
-    solver.function_tolerance = converged / squares;  // the next columns tell whether there is more
   }
   solver.max_num_consecutive_invalid_steps = 10;
-  DescentEnd end(residual, most);
+  // From afar what columns promise at a point says little of what is to be gained.
+  DescentEnd end(residual, options.near ? converged : 0.0, most);
   solver.callbacks.push_back(&end);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
