@@ -123,8 +123,7 @@ Result<Diagnosis> Pipeline::Report(Answer answer) {
   for (const std::size_t i : told) {
     if (settled.exact) PolishAt(settled.level, contest.contestants[i], contest.null());
   }
-  if (!settled.causes.empty())
-    settled = AtTheEnd(std::move(settled), contest.contestants[settled.causes.front()].Name());
+  settled = AtTheEnd(std::move(settled), contest);
   result_.verdict = settled.verdict;
   result_.reason = settled.reason;
   const std::vector<std::string> alike = NominalValuesAlike(problem_, answer, levels_, result_.journal);

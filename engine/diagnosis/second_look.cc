@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
+#include "diagnosis/carry.h"
 #include "diagnosis/first_look.h"
 #include "diagnosis/policy.h"
 
@@ -37,8 +40,8 @@ bool NearEnough(const Contestant& one) {
   return false;
 }
 
-/// The half of the best pair, which comes first, that most of these pairs share: a search on top of it meets them all. Where they
-/// share neither, that on top of which the pair was found.
+/// The half of the first pair that most of these pairs share: a search on top of it meets them all. Where they share neither, that on
+/// top of which the pair was found.
 std::size_t SharedHalf(const Contest& contest, std::span<const Base> pairs) {
   const auto count = [&](std::size_t contestant) {
     const estimation::Hypothesis::Applied& half = contest.contestants[contestant].hypothesis.effects().back();
@@ -52,6 +55,33 @@ std::size_t SharedHalf(const Contest& contest, std::span<const Base> pairs) {
       chosen = i;
   }
   return chosen;
+}
+
+double LeftBy(const Base& base, const Levels& levels) { return LogExcess(base.fit().scales, levels.data()); }
+
+/// How many pairs their level does not tell apart from the one that leaves least there.
+std::size_t CountAlike(std::span<const Base> pairs, const Levels& levels) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Base& base : pairs) least = std::min(least, LeftBy(base, levels));
+  const auto alike = [&](const Base& base) { return LeftBy(base, levels) - least <= std::log(policy::kMarginBest); };
+  return static_cast<std::size_t>(std::ranges::count_if(pairs, alike));
+}
+
+/// Carries pairs to the free run, and orders them by what they leave there.
+void OrderInFreeRun(std::span<Base> pairs, const Contest& contest, const Levels& levels, const Conduct& conduct) {
+  std::vector<Contestant> carried = {contest.null()};
+  for (const Base& base : pairs) carried.push_back(base.pair);
+  if (!Carry(carried, levels, pairs.front().level, conduct)) return;
+  const std::size_t level = levels.free_run();
+  std::vector<std::pair<double, Base>> ordered;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Contestant& pair = carried[i + 1];
+    ordered.emplace_back(pair.Holds(level) ? LogExcess(pair.levels[level].scales, levels.data())
+                                           : std::numeric_limits<double>::infinity(),
+                         std::move(pairs[i]));
+  }
+  std::ranges::stable_sort(ordered, {}, &std::pair<double, Base>::first);
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = std::move(ordered[i].second);
 }
 
 }  // namespace
@@ -75,7 +105,10 @@ std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, con
     const Contestant* best = LeaderAt(looked.ranked, levels, level);
     if (best != nullptr) bases.push_back({i, *best, level});
   }
-  std::ranges::stable_sort(bases, {}, [&](const Base& base) { return LogExcess(base.fit().scales, levels.data()); });
+  std::ranges::stable_sort(bases, {}, [&](const Base& base) { return LeftBy(base, levels); });
+  if (bases.empty() || !IsNearTheNoise(bases.front().fit()) || level == levels.free_run()) return bases;
+  if (const std::size_t alike = CountAlike(bases, levels); alike > 1)
+    OrderInFreeRun(std::span(bases).first(alike), contest, levels, conduct);
   return bases;
 }
 
@@ -91,12 +124,10 @@ std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled
   if (leader && !contest.released && !near && !NearEnough(contest.contestants[*leader])) leader.reset();
   if (bases.empty()) return leader;
   const Base& best = bases.front();
-  const auto left = [&](const Base& base) { return LogExcess(base.fit().scales, levels.data()); };
-  const bool less = of_leader == bases.end() || left(*of_leader) - left(best) > std::log(policy::kMarginBest);
+  const bool less =
+      of_leader == bases.end() || LeftBy(*of_leader, levels) - LeftBy(best, levels) > std::log(policy::kMarginBest);
   const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
-  const auto behind = std::ranges::find_if(
-      bases, [&](const Base& base) { return left(base) - left(best) > std::log(policy::kMarginBest); });
-  const std::size_t half = SharedHalf(contest, {bases.begin(), behind});
+  const std::size_t half = SharedHalf(contest, std::span(bases).first(CountAlike(bases, levels)));
   JournalEntry entry{"second look",
                      {best.pair.Name()},
                      "excess of the best pair on top of each, " + levels.Name(best.level),
@@ -104,7 +135,7 @@ std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled
                      takes    ? "goes on from " + contest.contestants[half].Name()
                      : leader ? "goes on from " + contest.contestants[*leader].Name()
                               : "none is near the noise"};
-  for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * left(base)));
+  for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * LeftBy(base, levels)));
   journal.push_back(std::move(entry));
   return takes ? half : leader;
 }

@@ -20,7 +20,7 @@ struct Base {
 
 /// Tries each contestant that removes a fifth of the null's excess (at most policy::kBases of them) together with the effects that removed a
 /// twentieth at the first look, at the longest memory within the record. Gives the best pair of each, and that first which
-/// leaves least. Empty where the null or no contestant holds there.
+/// leaves least: where noise hides there what pairs lack, in the free run, to which they are carried. Empty where the null or no contestant holds there.
 std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, const Magnitudes& magnitudes,
                                const Registry& registry, const Conduct& conduct);
 

@@ -190,6 +190,20 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   return settled;
 }
 
+/// Whether a nominal value lies at the end of what its prior allows. The fit would have gone on: what the model leaves, it leaves with numbers
+/// that no such machine has.
+bool EndsOnPriors(const Contestant& one, std::size_t level) {
+  constexpr double kThere = 1e-6;  // coordinates: 1 is a standard deviation
+  const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
+  for (Eigen::Index i = 0; i < lower.size(); ++i) {
+    const double q = one.levels[level].q[i];
+    if (one.hypothesis.parameters()[static_cast<std::size_t>(i)].prior &&
+        (q < lower[i] + kThere || q > upper[i] - kThere))
+      return true;
+  }
+  return false;
+}
+
 /// Where no model does: shares on data that took no part.
 class Shares {
  public:
@@ -360,12 +374,24 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
   return level ? SettleByWeights(contest, levels, held_out, *level) : Shares(contest, levels, held_out, least).Settle();
 }
 
-Settled AtTheEnd(Settled settled, const std::string& first) {
-  if (settled.exact || settled.causes.empty() || settled.explains >= policy::kMainCause) return settled;
+Settled AtTheEnd(Settled settled, const Contest& contest) {
+  if (settled.causes.empty()) return settled;
+  const std::size_t first = settled.causes.front();
+  const std::string name = contest.contestants[first].Name();
+  if (!settled.exact && settled.explains < policy::kMainCause) {
+    settled.verdict = Conclusion::kUnexplained;
+    settled.reason =
+        fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part",
+                    name, 100.0 * settled.explains);
+  }
+  if (!settled.exact) return settled;
+  if (!std::ranges::all_of(settled.causes,
+                           [&](std::size_t i) { return EndsOnPriors(contest.contestants[i], settled.level); }))
+    return settled;
+  settled.causes.clear();
+  settled.best = first;
   settled.verdict = Conclusion::kUnexplained;
-  settled.reason =
-      fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part", first,
-                  100.0 * settled.explains);
+  settled.reason = name + " leaves nothing but noise, but only with a nominal value at the end of its prior";
   return settled;
 }
 

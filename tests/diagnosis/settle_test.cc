@@ -66,7 +66,7 @@ class SettleTest : public ::testing::Test {
 
   /// The null leaves the whole course, or this share of it; the same on data that took no part.
   Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0, double null_held_out = 1.0) const {
-    Contest contest;
+    Contest& contest = contest_ = Contest();
     contest.released = false;
     std::vector<HeldOut> held_out;
     std::vector<double> least(levels_->size(), 0.0);
@@ -90,6 +90,7 @@ class SettleTest : public ::testing::Test {
   }
 
   Plan plan_;
+  mutable Contest contest_;  // of the last call of SettledOf()
   std::unique_ptr<Levels> levels_;
   Eigen::VectorXd noise_, course_;
 };
@@ -130,6 +131,21 @@ TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
   EXPECT_EQ(two.causes, (std::vector<std::size_t>{1, 3}));
   const Settled four = SettledOf({kTruth, alike, third, fourth});
   EXPECT_EQ(four.verdict, Conclusion::kUnexplained) << four.reason;
+}
+
+TEST_F(SettleTest, AtTheEndOneThatNeedsANominalValueAtTheEndOfItsPriorDoesNotStand) {
+  Left pushed{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.02};
+  pushed.off = 2.9;
+  EXPECT_EQ(AtTheEnd(SettledOf({pushed, kFar}), contest_).verdict, Conclusion::kEffectFound);
+  for (const double end : {3.0, -3.0}) {
+    pushed.off = end;
+    const Settled alone = AtTheEnd(SettledOf({pushed, kFar}), contest_);
+    EXPECT_EQ(alone.verdict, Conclusion::kUnexplained);
+    EXPECT_NE(alone.reason.find("end of its prior"), std::string::npos) << alone.reason;
+    EXPECT_EQ(alone.best, 1U) << "it is told what removes the error";
+    const Settled set = AtTheEnd(SettledOf({pushed, kTruth, kFar}), contest_);
+    EXPECT_EQ(set.verdict, Conclusion::kAmbiguous) << "that one of two is pushed does not make the other the cause";
+  }
 }
 
 TEST_F(SettleTest, OfTwoThatLeaveTheSameOneFarFromItsDataSheetIsImplausible) {
@@ -213,14 +229,14 @@ TEST_F(SettleTest, AtTheEndACauseExplainsAHalf) {
     return SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, held_out},
                       {"sensor_gain", "output:T_shaft", 0.3, 0.0, held_out}});
   };
-  EXPECT_EQ(AtTheEnd(two_alike(0.3), "first").verdict, Conclusion::kAmbiguous);
+  EXPECT_EQ(AtTheEnd(two_alike(0.3), contest_).verdict, Conclusion::kAmbiguous);
   EXPECT_EQ(two_alike(0.7).verdict, Conclusion::kAmbiguous);
-  EXPECT_EQ(AtTheEnd(two_alike(0.7), "first").verdict, Conclusion::kUnexplained);
+  EXPECT_EQ(AtTheEnd(two_alike(0.7), contest_).verdict, Conclusion::kUnexplained);
   const Settled alone = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.7}, kFar});
   EXPECT_EQ(alone.verdict, Conclusion::kMainCause);
-  EXPECT_EQ(AtTheEnd(alone, "first").verdict, Conclusion::kUnexplained);
+  EXPECT_EQ(AtTheEnd(alone, contest_).verdict, Conclusion::kUnexplained);
   const Settled exact = SettledOf({kTruth, kFar});
-  EXPECT_EQ(AtTheEnd(exact, "first").verdict, Conclusion::kEffectFound) << "it leaves nothing";
+  EXPECT_EQ(AtTheEnd(exact, contest_).verdict, Conclusion::kEffectFound) << "it leaves nothing";
 }
 
 TEST_F(SettleTest, ARunThatBreaksOnOtherDataIsNoCause) {
