@@ -190,8 +190,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   return settled;
 }
 
-/// Whether a nominal value lies at the end of what its prior allows. The fit would have gone on: what the model leaves, it leaves with numbers
-/// that no such machine has.
+/// Whether a nominal value lies at the end of what its prior allows, where the fit would have gone on.
 bool EndsOnPriors(const Contestant& one, std::size_t level) {
   constexpr double kThere = 1e-6;  // coordinates: 1 is a standard deviation
   const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
@@ -378,20 +377,18 @@ Settled AtTheEnd(Settled settled, const Contest& contest) {
   if (settled.causes.empty()) return settled;
   const std::size_t first = settled.causes.front();
   const std::string name = contest.contestants[first].Name();
-  if (!settled.exact && settled.explains < policy::kMainCause) {
+  const auto pushed = [&](std::size_t i) { return EndsOnPriors(contest.contestants[i], settled.level); };
+  if (settled.exact && std::ranges::all_of(settled.causes, pushed)) {
+    settled.causes.clear();
+    settled.best = first;
+    settled.verdict = Conclusion::kUnexplained;
+    settled.reason = name + " leaves nothing but noise, but only with a nominal value at the end of its prior";
+  } else if (!settled.exact && settled.explains < policy::kMainCause) {
     settled.verdict = Conclusion::kUnexplained;
     settled.reason =
         fmt::format("{} is the best, and explains {:.0f} % of what the model gets wrong on data that took no part",
                     name, 100.0 * settled.explains);
   }
-  if (!settled.exact) return settled;
-  if (!std::ranges::all_of(settled.causes,
-                           [&](std::size_t i) { return EndsOnPriors(contest.contestants[i], settled.level); }))
-    return settled;
-  settled.causes.clear();
-  settled.best = first;
-  settled.verdict = Conclusion::kUnexplained;
-  settled.reason = name + " leaves nothing but noise, but only with a nominal value at the end of its prior";
   return settled;
 }
 

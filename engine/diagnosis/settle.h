@@ -41,9 +41,9 @@ Settled Settle(const Contest& contest, const Levels& levels, const std::vector<H
                const std::vector<double>& least);
 
 /// The verdict where no further cause is looked for. A first of several causes may explain little; what stands at the end, alone or in
-/// a set, explains half of what is wrong on data that took no part, or leaves nothing but noise. This with a nominal value inside its
-/// prior: where the fit of each, led to its minimum, has one at the end of what its prior allows, no such machine has these numbers, and
-/// none stands. Of right causes they lie within one or two deviations.
+/// a set, explains half of what is wrong on data that took no part, or leaves nothing but noise with the numbers of such a machine:
+/// not where each of the causes, led to its minimum, has a nominal value at the end of what its prior allows. Of right causes they lie
+/// within one or two deviations.
 Settled AtTheEnd(Settled settled, const Contest& contest);
 
 }  // namespace dynoproof::diagnosis

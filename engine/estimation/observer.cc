@@ -445,8 +445,10 @@ namespace {
 std::vector<std::string>::const_iterator CorrectedAs(const std::vector<std::string>& nominal,
                                                      const std::string& state) {
   const auto itself = std::ranges::find(nominal, state);
-  const std::size_t kind = state.rfind('.'), mark = state.rfind('_', kind);
-  if (itself != nominal.end() || kind == std::string::npos || mark == std::string::npos) return itself;
+  const std::size_t kind = state.rfind('.');
+  if (itself != nominal.end() || kind == std::string::npos || kind == 0) return itself;
+  const std::size_t mark = state.find_last_of("._", kind - 1);
+  if (mark == std::string::npos || state[mark] != '_') return itself;
   return std::ranges::find(nominal, state.substr(0, mark) + state.substr(kind));
 }
 
