@@ -480,8 +480,10 @@ double MemoryFor(const LinearModel& model, double duration_s) {
       const double turn = std::abs(std::arg(value)), decay = -std::log(std::abs(value));
       const double constant_s = decay > 0.0 ? model.period_s / decay : std::numeric_limits<double>::infinity();
       forgets_s = std::max(forgets_s, constant_s);
-      if (turn > decay && turn < 3.0) period_s = std::max(period_s, 2.0 * std::numbers::pi / turn * model.period_s);
-      if (!(turn > decay) && constant_s < duration_s) slowest_s = std::max(slowest_s, constant_s);
+      // The common speed of a line has an eigenvalue of 1, give or take a rounding error: it is no mode where that makes it grow.
+      const bool turns = turn > std::max(decay, 0.0);
+      if (turns && turn < 3.0) period_s = std::max(period_s, 2.0 * std::numbers::pi / turn * model.period_s);
+      if (!turns && constant_s < duration_s) slowest_s = std::max(slowest_s, constant_s);
     }
   }
   double memory_s = period_s > 0.0 ? kPeriods * period_s : kOfSlowest * slowest_s;

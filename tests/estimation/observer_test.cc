@@ -52,6 +52,19 @@ TEST(Observer, OfAMassForgetsWithItsMemory) {
   }
 }
 
+TEST(MemoryFor, ALinesCommonSpeedIsNoModeHoweverItIsRounded) {
+  const Plan plan = FourMasses(1.2);
+  const DataSet data({RecordOf(plan, 0.01, {"T_shaft", "omega_1"})}, plan);
+  Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Eigen::MatrixXd A = model->regimes.front().A;
+  for (const double rounded : {1.0 - 1e-15, 1.0, 1.0 + 1e-15}) {
+    model->regimes.front().A = rounded * A;
+    // Fifteen periods of the slowest mode, 15 ms each or less. As a mode of infinite period it took a tenth of the record.
+    EXPECT_LT(MemoryFor(*model, 10.0), 0.3) << rounded;
+  }
+}
+
 struct OutputsAndMemories {
   std::vector<std::string> outputs;
   std::vector<double> memories_s;
