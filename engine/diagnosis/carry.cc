@@ -21,9 +21,6 @@ using estimation::Fit;
 using estimation::Hypothesis;
 using estimation::Prediction;
 
-/// The logarithm of the excess that a fit leaves beyond the noise.
-double LogLeft(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
-
 /// Takes another fit at a level where that leaves less than the one there.
 void TakeLower(Contestant& contestant, Estimate again, const Levels& levels, std::size_t level) {
   if (again.ok() && (!contestant.Holds(level) || LogLeft(again, levels) < LogLeft(contestant.levels[level], levels)))

@@ -69,8 +69,8 @@ Contestant WithChanges(const std::vector<Change>& changes, std::uint64_t chosen,
     const estimation::EstimatorOptions how{
         .renewals = 6, .points = PointsFor(hypothesis), .of_excess = policy::kCarriedTo, .near = true};
     estimation::Estimate fit = AsLoudAs(null, level, estimation::Fit(hypothesis, levels[level], start, how));
-    const auto excess = [&](const estimation::Estimate& some) { return LogExcess(some.scales, levels.data()); };
-    if (fit.ok() && (!one.Holds(level) || excess(fit) < excess(one.levels[level]))) one.levels[level] = std::move(fit);
+    if (fit.ok() && (!one.Holds(level) || LogLeft(fit, levels) < LogLeft(one.levels[level], levels)))
+      one.levels[level] = std::move(fit);
     if (LeavesNothing(one, levels)) break;
   }
   return one;
@@ -136,8 +136,7 @@ Contest CompeteByChanges(const Contest& under_priors, const Contestant& exact, c
       estimation::Estimate& fit = one->levels[levels.free_run()];
       estimation::Estimate last = AsLoudAs(under_priors.null(), levels.free_run(),
                                            estimation::Fit(one->hypothesis, levels[levels.free_run()], fit.q));
-      if (last.ok() && LogExcess(last.scales, levels.data()) <= LogExcess(fit.scales, levels.data()))
-        fit = std::move(last);
+      if (last.ok() && LogLeft(last, levels) <= LogLeft(fit, levels)) fit = std::move(last);
       contest.contestants.push_back(*std::move(one));
     }
   }

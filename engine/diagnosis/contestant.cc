@@ -71,16 +71,17 @@ void WeighAs(const Estimate& estimate, const DataSet& data, VectorXd& rows) {
   }
 }
 
+double LogLeft(const Estimate& fit, const Levels& levels) { return LogExcess(fit.scales, levels.data()); }
+
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level) {
-  return 1.0 - std::exp(LogExcess(contestant.levels[level].scales, levels.data()) -
-                        LogExcess(null.levels[level].scales, levels.data()));
+  return 1.0 - std::exp(LogLeft(contestant.levels[level], levels) - LogLeft(null.levels[level], levels));
 }
 
 const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t level) {
   const Contestant* leader = nullptr;
   for (const Contestant& one : contestants) {
-    if (one.Holds(level) && (leader == nullptr || LogExcess(one.levels[level].scales, levels.data()) <
-                                                      LogExcess(leader->levels[level].scales, levels.data())))
+    if (one.Holds(level) &&
+        (leader == nullptr || LogLeft(one.levels[level], levels) < LogLeft(leader->levels[level], levels)))
       leader = &one;
   }
   return leader;

@@ -39,6 +39,8 @@ bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& 
 /// Mean over channels of the logarithm of the power beyond what noise alone causes. A channel that shows none beside the noise
 /// counts with as much as could be seen there.
 double LogExcess(const std::vector<estimation::ChannelScale>& scales, const estimation::DataSet& data);
+/// That of a fit.
+double LogLeft(const estimation::Estimate& fit, const Levels& levels);
 
 /// The share of the null's excess that a model removes at a level where both hold.
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);

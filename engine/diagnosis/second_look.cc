@@ -57,13 +57,13 @@ std::size_t SharedHalf(const Contest& contest, std::span<const Base> pairs) {
   return chosen;
 }
 
-double LeftBy(const Base& base, const Levels& levels) { return LogExcess(base.fit().scales, levels.data()); }
-
 /// How many pairs their level does not tell apart from the one that leaves least there.
 std::size_t CountAlike(std::span<const Base> pairs, const Levels& levels) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Base& base : pairs) least = std::min(least, LeftBy(base, levels));
-  const auto alike = [&](const Base& base) { return LeftBy(base, levels) - least <= std::log(policy::kMarginBest); };
+  for (const Base& base : pairs) least = std::min(least, LogLeft(base.fit(), levels));
+  const auto alike = [&](const Base& base) {
+    return LogLeft(base.fit(), levels) - least <= std::log(policy::kMarginBest);
+  };
   return static_cast<std::size_t>(std::ranges::count_if(pairs, alike));
 }
 
@@ -76,9 +76,9 @@ void OrderInFreeRun(std::span<Base> pairs, const Contest& contest, const Levels&
   std::vector<std::pair<double, Base>> ordered;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Contestant& pair = carried[i + 1];
-    ordered.emplace_back(pair.Holds(level) ? LogExcess(pair.levels[level].scales, levels.data())
-                                           : std::numeric_limits<double>::infinity(),
-                         std::move(pairs[i]));
+    ordered.emplace_back(
+        pair.Holds(level) ? LogLeft(pair.levels[level], levels) : std::numeric_limits<double>::infinity(),
+        std::move(pairs[i]));
   }
   std::ranges::stable_sort(ordered, {}, &std::pair<double, Base>::first);
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = std::move(ordered[i].second);
@@ -105,7 +105,7 @@ std::vector<Base> BasesOfPairs(const Contest& contest, const Levels& levels, con
     const Contestant* best = LeaderAt(looked.ranked, levels, level);
     if (best != nullptr) bases.push_back({i, *best, level});
   }
-  std::ranges::stable_sort(bases, {}, [&](const Base& base) { return LeftBy(base, levels); });
+  std::ranges::stable_sort(bases, {}, [&](const Base& base) { return LogLeft(base.fit(), levels); });
   if (bases.empty() || !IsNearTheNoise(bases.front().fit()) || level == levels.free_run()) return bases;
   if (const std::size_t alike = CountAlike(bases, levels); alike > 1)
     OrderInFreeRun(std::span(bases).first(alike), contest, levels, conduct);
@@ -124,8 +124,8 @@ std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled
   if (leader && !contest.released && !near && !NearEnough(contest.contestants[*leader])) leader.reset();
   if (bases.empty()) return leader;
   const Base& best = bases.front();
-  const bool less =
-      of_leader == bases.end() || LeftBy(*of_leader, levels) - LeftBy(best, levels) > std::log(policy::kMarginBest);
+  const bool less = of_leader == bases.end() ||
+                    LogLeft(of_leader->fit(), levels) - LogLeft(best.fit(), levels) > std::log(policy::kMarginBest);
   const bool takes = less && (leader ? of_leader != bases.end() : IsNearTheNoise(best.fit()));
   const std::size_t half = SharedHalf(contest, std::span(bases).first(CountAlike(bases, levels)));
   JournalEntry entry{"second look",
@@ -135,7 +135,8 @@ std::optional<std::size_t> BaseOf(const Contest& contest, const Settled& settled
                      takes    ? "goes on from " + contest.contestants[half].Name()
                      : leader ? "goes on from " + contest.contestants[*leader].Name()
                               : "none is near the noise"};
-  for (const Base& base : bases) entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * LeftBy(base, levels)));
+  for (const Base& base : bases)
+    entry.numbers.emplace_back(base.pair.Name(), std::exp(0.5 * LogLeft(base.fit(), levels)));
   journal.push_back(std::move(entry));
   return takes ? half : leader;
 }

@@ -58,7 +58,11 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
 class Residual : public ceres::CostFunction {
  public:
   Residual(const Hypothesis& hypothesis, const Predictor& predictor, const EstimatorOptions& options)
-      : hypothesis_(hypothesis), predictor_(predictor), known_(options.known), central_(options.central) {
+      : hypothesis_(hypothesis),
+        predictor_(predictor),
+        known_(options.known),
+        central_(options.central),
+        near_(options.near) {
     rows_ = predictor.data().measured().size();
     for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
       if (hypothesis.parameters()[i].prior) priors_.push_back(static_cast<Index>(i));
@@ -133,11 +137,12 @@ class Residual : public ceres::CostFunction {
       if (!columns) return false;
       jacobian = *columns;
     }
-    promised_ = DecrementOf(jacobian, weighted, q, hypothesis_.lower(), hypothesis_.upper());
+    if (near_) promised_ = DecrementOf(jacobian, weighted, q, hypothesis_.lower(), hypothesis_.upper());
     return true;
   }
 
-  /// The Newton decrement of Q at the point whose columns were asked for last.
+  /// The Newton decrement of Q at the point whose columns were asked for last. From afar, where these say little of what is to be
+  /// gained, without end.
   double promised() const { return promised_; }
 
   /// d weighted / d q, by differences; nothing where a run breaks. What was found last is kept, for where a descent found
@@ -240,14 +245,14 @@ class Residual : public ceres::CostFunction {
   const Hypothesis& hypothesis_;
   const Predictor& predictor_;
   std::optional<KnownColumns> known_;
-  bool central_;
+  bool central_, near_;
   Index rows_ = 0;
   std::vector<Index> priors_;
   mutable RowMajor kept_;
   mutable VectorXd kept_at_, kept_weighted_;
   mutable RowMajor columns_;  // found last
   mutable VectorXd columns_at_, columns_about_;
-  mutable double promised_ = 0.0;
+  mutable double promised_ = std::numeric_limits<double>::infinity();
   Point about_;
   std::vector<ChannelScale> scales_;
   mutable std::optional<Point> last_;
@@ -343,8 +348,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
     solver.initial_trust_region_radius = 30.0;
   }
   solver.max_num_consecutive_invalid_steps = 10;
-  // From afar what columns promise at a point says little of what is to be gained.
-  DescentEnd end(residual, options.near ? converged : 0.0, most);
+  DescentEnd end(residual, converged, most);
   solver.callbacks.push_back(&end);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
