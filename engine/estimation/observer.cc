@@ -438,31 +438,16 @@ VectorXd Observer::NoiseAlone(const LinearModel& model, const VectorXd& white) c
   return ((H * covariance * H.transpose()).diagonal() + white.cwiseAbs2()).cwiseSqrt();
 }
 
-namespace {
-
-/// The nominal state that a state is corrected as: itself; of a body that was split off one, named NAME_x after it, that body's, for
-/// the two move as one where their joint is stiff. `end`: there is none.
-std::vector<std::string>::const_iterator CorrectedAs(const std::vector<std::string>& nominal,
-                                                     const std::string& state) {
-  const auto itself = std::ranges::find(nominal, state);
-  const std::size_t kind = state.rfind('.');
-  if (itself != nominal.end() || kind == std::string::npos || kind == 0) return itself;
-  const std::size_t mark = state.find_last_of("._", kind - 1);
-  if (mark == std::string::npos || state[mark] != '_') return itself;
-  return std::ranges::find(nominal, state.substr(0, mark) + state.substr(kind));
-}
-
-}  // namespace
-
 std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::vector<int>& modes) const {
   const auto own = std::ranges::find(gains_, modes, &Gain::modes);
   const MatrixXd& gain = (own != gains_.end() ? *own : gains_.front()).physical;
   std::vector<std::vector<double>> columns(static_cast<std::size_t>(gain.cols()),
                                            std::vector<double>(rig.state_ports.size(), 0.0));
   for (std::size_t i = 0; i < rig.state_ports.size(); ++i) {
-    const auto known = CorrectedAs(states_, rig.state_ports[i].name);
-    if (known == states_.end()) continue;
-    for (Index j = 0; j < gain.cols(); ++j) columns[static_cast<std::size_t>(j)][i] = gain(known - states_.begin(), j);
+    const std::optional<std::size_t> known = CorrectedAs(states_, rig.state_ports[i].name);
+    if (!known) continue;
+    for (Index j = 0; j < gain.cols(); ++j)
+      columns[static_cast<std::size_t>(j)][i] = gain(static_cast<Index>(*known), j);
   }
   return columns;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
 
 #include "base/subnormals.h"
@@ -227,14 +226,10 @@ Result<Samples> PredictInWindows(const Rig& rig, Solver& solver, const Observer&
   samples.time.resize(rows);
   samples.inputs.assign(rig.inputs.size(), std::vector<double>(rows));
   samples.outputs.assign(rig.outputs.size(), std::vector<double>(rows));
-  std::map<std::string, std::size_t> places;
-  for (std::size_t i = 0; i < rig.state_ports.size(); ++i) places[rig.state_ports[i].name] = i;
   const std::size_t n = observer.states.size(), m = observer.outputs.size();
-  std::vector<int> rows_of(n, -1), columns;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto found = places.find(observer.states[i]);
-    if (found != places.end()) rows_of[i] = static_cast<int>(found->second);
-  }
+  std::vector<std::optional<std::size_t>> rows_of;  // of a gain, by state
+  for (const Port& port : rig.state_ports) rows_of.push_back(CorrectedAs(observer.states, port.name));
+  std::vector<int> columns;
   for (const std::string& name : observer.outputs) columns.push_back(FindOutput(rig, name));
   Simulation beside(rig, solver), ahead(rig, solver);
   if (Status failed = beside.Start()) return *failed;
@@ -256,9 +251,9 @@ Result<Samples> PredictInWindows(const Rig& rig, Solver& solver, const Observer&
     }
     std::fill(change.begin(), change.end(), 0.0);
     const float* gain = observer.gains.data() + std::min(k, observer.gains.size() / (n * m) - 1) * n * m;
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < m && rows_of[i] >= 0; ++j)
-        change[static_cast<std::size_t>(rows_of[i])] += static_cast<double>(gain[i * m + j]) * missed[j];
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      for (std::size_t j = 0; j < m && rows_of[i]; ++j)
+        change[i] += static_cast<double>(gain[*rows_of[i] * m + j]) * missed[j];
     }
     if (std::any_of(change.begin(), change.end(), [](double value) { return value != 0.0; })) {
       Frame frame = beside.frame();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ class Correction {
   /// states += gains errors; modes stay. `errors`: one a column of the gains. Allocates nothing.
   virtual void Apply(Frame& frame, std::span<const double> errors) = 0;
 };
+
+/// The nominal state, an index into `nominal`, by whose gain a state is corrected: itself; of a body that was split off one, named
+/// NAME_x after it, that body's, for the two move as one where their joint is stiff. Nothing where there is none.
+std::optional<std::size_t> CorrectedAs(const std::vector<std::string>& nominal, const std::string& state);
 
 class Solver {
  public:
