@@ -25,6 +25,12 @@ double PowerError(const ChannelScale& scale, const Channel& channel) {
 
 }  // namespace
 
+double TimesNoise(const Estimate& estimate) {
+  double largest = 0.0;
+  for (const ChannelScale& scale : estimate.scales) largest = std::max(largest, scale.rms / scale.noise_alone);
+  return largest;
+}
+
 bool IsExact(const std::vector<ChannelScale>& scales) {
   return std::ranges::all_of(
       scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });

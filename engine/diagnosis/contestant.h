@@ -26,6 +26,8 @@ struct Contestant {
   bool Holds(std::size_t level) const { return level < levels.size() && levels[level].ok(); }
 };
 
+/// RMS over what noise alone causes, in the channel where that is most.
+double TimesNoise(const estimation::Estimate& estimate);
 /// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
 bool IsExact(const std::vector<estimation::ChannelScale>& scales);
 bool IsExact(const estimation::Estimate& estimate);

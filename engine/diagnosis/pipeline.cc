@@ -337,11 +337,12 @@ bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
   PolishAt(level, all, answer.contest.null());
   const Contestant& null = before.contest.null();
   for (const Idle& idle : IdleEffects(all, level)) {
-    auto others = all.hypothesis.effects();
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(idle.effect));
-    for (const auto& known : null.hypothesis.effects()) std::erase(others, known);
-    if (others.size() != 1) continue;
-    Contestant without(null.hypothesis.With(*others[0].effect, others[0].place, magnitudes_));
+    estimation::Hypothesis others = NullHypothesis(begun_, answer.contest.released, levels_, problem_.registry());
+    for (std::size_t i = 0; i < all.hypothesis.effects().size(); ++i) {
+      const auto& [effect, place] = all.hypothesis.effects()[i];
+      if (i != idle.effect) others = others.With(*effect, place, magnitudes_);
+    }
+    Contestant without(std::move(others));
     without.levels.resize(levels_.size());
     for (estimation::Estimate& fit : without.levels) fit.broken = "not fitted";
     without.levels[level] = all.levels[level];
@@ -380,10 +381,8 @@ void Pipeline::Enter(const Contest& contest, const Settled& settled, const std::
   JournalEntry base{"null model", {contest.null().Name()}, "RMS over what noise alone causes, " + stage, {}, ""};
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const estimation::Estimate& fit = contest.null().levels[level];
-    double largest = 0.0;
-    for (const estimation::ChannelScale& scale : fit.scales) largest = std::max(largest, scale.rms / scale.noise_alone);
     if (fit.ok())
-      base.numbers.emplace_back(levels_.Name(level), largest);
+      base.numbers.emplace_back(levels_.Name(level), TimesNoise(fit));
     else
       base.outcome += levels_.Name(level) + ": " + fit.broken + "; ";
   }

@@ -99,6 +99,7 @@ JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights
                      {{"share", ShareAt(contest, levels, i, level)}},
                      ""};
   const Estimate& fit = contest.contestants[i].levels[level];
+  entry.numbers.emplace_back("rms_over_noise", TimesNoise(fit));
   entry.numbers.emplace_back("excess", std::exp(0.5 * LogLeft(fit, levels)));
   entry.numbers.emplace_back("nominal_values_off", OffNominal(contest.contestants[i], level));
   entry.numbers.emplace_back("renewals", fit.renewals);

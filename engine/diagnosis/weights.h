@@ -10,7 +10,7 @@
 
 namespace dynoproof::diagnosis {
 
-/// Of all pairs. Innovations are those of leaving blocks out; they count by the scales of the model that leaves least.
+/// Of all pairs. Innovations are those of leaving blocks out; they count by what the best leaves there (RowWeights).
 class Weights {
  public:
   Weights(std::span<const Contestant> contestants, const Levels& levels, std::size_t level);

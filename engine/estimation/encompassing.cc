@@ -35,18 +35,30 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
   return left;
 }
 
-Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data,
+VectorXd RowWeights(std::span<const VectorXd> innovations, const DataSet& data,
                     const std::vector<ChannelScale>& scales) {
+  VectorXd weights(data.measured().size());
+  for (const Block& block : BlocksOf(data)) {
+    for (const auto& [c, begin, count] : block.rows) {
+      if (count == 0) continue;
+      double least = std::numeric_limits<double>::infinity();
+      for (const VectorXd& left : innovations) {
+        if (left.size() > 0)
+          least = std::min(least, left.segment(begin, count).squaredNorm() / static_cast<double>(count));
+      }
+      const double power = std::max(least, std::pow(data.channels()[c].noise, 2));
+      weights.segment(begin, count).setConstant(1.0 / (power * scales[c].correlation));
+    }
+  }
+  return weights;
+}
+
+Weight Encompassing(const VectorXd& a, const VectorXd& b, const DataSet& data, const VectorXd& w) {
   // Innovations smaller than the measurement noise come from the course of an input between its samples, or from round-off. They
   // are systematic, so that sums over blocks understate the standard error.
-  VectorXd weight(a.size()), least(a.size());
-  for (std::size_t c = 0; c < data.channels().size(); ++c) {
-    const Channel& channel = data.channels()[c];
-    weight.segment(channel.begin, channel.count)
-        .setConstant(1.0 / (scales[c].rms * scales[c].rms * scales[c].correlation));
-    least.segment(channel.begin, channel.count).setConstant(channel.noise);
-  }
-  const VectorXd d = a - b, wd = weight.cwiseProduct(d);
+  VectorXd least(a.size());
+  for (const Channel& channel : data.channels()) least.segment(channel.begin, channel.count).setConstant(channel.noise);
+  const VectorXd d = a - b, wd = w.cwiseProduct(d);
   const double power = wd.dot(d);
   if (!(power > 0.0)) return {0.5, std::numeric_limits<double>::infinity()};
   Weight result{wd.dot(a) / power, 0.0};

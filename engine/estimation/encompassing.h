@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <span>
 
 #include "estimation/estimator.h"
 
@@ -15,12 +16,17 @@ struct Weight {
   double lambda = 0.5, standard_error = 0.0;
 };
 
+/// What rows count in a comparison of models, 1 / (s^2 tau): s is what the best of them leaves of the row's channel in the row's block
+/// of time, and at least the channel's noise; tau the correlation time in `scales`, by channel. An impact that no model meets counts no
+/// more than any other block does. `innovations`: of each model by row, or empty.
+Eigen::VectorXd RowWeights(std::span<const Eigen::VectorXd> innovations, const DataSet& data,
+                           const std::vector<ChannelScale>& scales);
+
 /// lambda = sum w e_a d / sum w d^2, d = e_a - e_b: the weight of b in the mixture of the two predictions that leaves
-/// least (Davidson, MacKinnon 1981; Harvey, Leybourne, Newbold 1998). `a`, `b`: innovations by row; `scales`: weights
-/// 1 / (s^2 tau), by channel. The standard error is that of sums over blocks, at least that of single rows, and at
+/// least (Davidson, MacKinnon 1981; Harvey, Leybourne, Newbold 1998). `a`, `b`: innovations by row; `w`: what rows count. The
+/// standard error is that of sums over blocks, at least that of single rows, and at
 /// least what the noise would make of it. Where both predict the same it is infinite.
-Weight Encompassing(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const DataSet& data,
-                    const std::vector<ChannelScale>& scales);
+Weight Encompassing(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const DataSet& data, const Eigen::VectorXd& w);
 
 enum class Comparison { kFirst, kSecond, kBoth, kNotSeparable };
 /// By size and significance together: the first wins where the second adds nothing that counts (lambda below 0.3, and four

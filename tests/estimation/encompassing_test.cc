@@ -24,6 +24,9 @@ Eigen::VectorXd Noise(std::uint64_t seed, Eigen::Index rows) {
   return noise;
 }
 
+/// Every row counts the same.
+Eigen::VectorXd Alike() { return Eigen::VectorXd::Ones(Data().measured().size()); }
+
 TEST(LeaveBlocksOut, IsWhatRefittingGives) {
   const Eigen::Index n = Data().measured().size();
   // A line with two numbers, fitted by least squares; the innovations are y - X b, so that J = -X.
@@ -63,33 +66,61 @@ TEST(LeaveBlocksOut, IsWhatRefittingGives) {
 
 TEST(Encompassing, SeesWhichModelAddsNothing) {
   const Eigen::Index n = Data().measured().size();
-  const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
   const Eigen::VectorXd noise = Noise(3, n), missed = Noise(4, n), other = Noise(5, n);
   // The first is right, the second has missed a share of the signal.
-  const Weight right = Encompassing(noise, noise + 0.5 * missed, Data(), scales);
+  const Weight right = Encompassing(noise, noise + 0.5 * missed, Data(), Alike());
   EXPECT_NEAR(right.lambda, 0.0, 4.0 * right.standard_error);
   EXPECT_EQ(Compare(right), Comparison::kFirst);
-  EXPECT_EQ(Compare(Encompassing(noise + 0.5 * missed, noise, Data(), scales)), Comparison::kSecond);
+  EXPECT_EQ(Compare(Encompassing(noise + 0.5 * missed, noise, Data(), Alike())), Comparison::kSecond);
   // Each has missed another half.
-  EXPECT_EQ(Compare(Encompassing(noise + missed, noise + other, Data(), scales)), Comparison::kBoth);
+  EXPECT_EQ(Compare(Encompassing(noise + missed, noise + other, Data(), Alike())), Comparison::kBoth);
   // They differ by next to nothing.
-  EXPECT_EQ(Compare(Encompassing(noise, noise + 1e-3 * missed, Data(), scales)), Comparison::kNotSeparable);
-  EXPECT_EQ(Compare(Encompassing(noise, noise, Data(), scales)), Comparison::kNotSeparable);
+  EXPECT_EQ(Compare(Encompassing(noise, noise + 1e-3 * missed, Data(), Alike())), Comparison::kNotSeparable);
+  EXPECT_EQ(Compare(Encompassing(noise, noise, Data(), Alike())), Comparison::kNotSeparable);
 }
 
 TEST(Encompassing, ErrsAsOftenAsItsErrorSays) {
   const Eigen::Index n = Data().measured().size();
-  const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
   int beyond = 0;
   constexpr int kDraws = 400;
   for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
     const Eigen::VectorXd noise = Noise(1000 + draw, n);
-    const Weight weight = Encompassing(noise, noise + 0.2 * Noise(5000 + draw, n), Data(), scales);
+    const Weight weight = Encompassing(noise, noise + 0.2 * Noise(5000 + draw, n), Data(), Alike());
     beyond += std::abs(weight.lambda) > 1.96 * weight.standard_error ? 1 : 0;
   }
   // 5 % of 400 are 20 +- 4.4; the larger of two errors is a little large.
   EXPECT_GT(beyond, 5);
   EXPECT_LT(beyond, 33);
+}
+
+TEST(RowWeights, AreThoseOfWhatTheBestLeavesInABlock) {
+  const std::vector<ChannelScale> scales = {{1.0, 1.0, 2.0}, {1.0, 1.0, 1.0}};
+  const Block::Rows there = BlocksOf(Data())[7].rows[0], elsewhere = BlocksOf(Data())[8].rows[0];
+  ASSERT_EQ(there.channel, 0U);
+  const double noise = Data().channels()[0].noise;
+  Eigen::VectorXd one = Eigen::VectorXd::Constant(Data().measured().size(), 5.0 * noise), other = 2.0 * one, none;
+  other.segment(there.begin, there.count).setConstant(3.0 * noise);
+  const Eigen::VectorXd left[] = {none, one, other};
+  const Eigen::VectorXd weights = RowWeights(left, Data(), scales);
+  EXPECT_NEAR(weights[there.begin] * std::pow(3.0 * noise, 2) * 2.0, 1.0, 1e-12);
+  EXPECT_NEAR(weights[elsewhere.begin] * std::pow(5.0 * noise, 2) * 2.0, 1.0, 1e-12);
+  // Less than noise is chance, or what an input does between its samples.
+  const Eigen::VectorXd exact[] = {0.1 * one};
+  EXPECT_NEAR(RowWeights(exact, Data(), scales)[there.begin] * std::pow(noise, 2) * 2.0, 1.0, 1e-12);
+}
+
+/// An impact that both miss is larger than all else, and says which is right in its block alone.
+TEST(RowWeights, KeepAnImpactThatEveryModelMissesFromDeciding) {
+  const Eigen::VectorXd noise = Data().channels()[0].noise * Noise(6, Data().measured().size());
+  Eigen::VectorXd right = noise, wrong = noise + 0.7 * Data().channels()[0].noise * Noise(7, noise.size());
+  for (const Block::Rows& rows : BlocksOf(Data())[20].rows) {
+    right[rows.begin] += 100.0 * Data().channels()[0].noise;
+    wrong[rows.begin] += 60.0 * Data().channels()[0].noise;
+  }
+  const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
+  EXPECT_NE(Compare(Encompassing(right, wrong, Data(), Alike())), Comparison::kFirst);
+  const Eigen::VectorXd left[] = {right, wrong};
+  EXPECT_EQ(Compare(Encompassing(right, wrong, Data(), RowWeights(left, Data(), scales))), Comparison::kFirst);
 }
 
 }  // namespace
