@@ -197,11 +197,12 @@ int Identify(const IdentifyArguments& arguments) {
     const std::string include = Whole(measured->file).lexically_relative(out.parent_path()).generic_string();
     Diagnostics known;  // reported when the scenario was loaded
     const std::optional<Plan> written = LoadPlan(measured->file, arguments.overrides, known);
+    const std::optional<Plan> included = LoadPlan(measured->file, {}, known);
     Plan applied = *written;
     ApplyEffects(*registry, applied, known);
     std::string records;  // that the numbers were fitted to
     for (const std::string& file : arguments.data) records += fmt::format("# SHA-256 of a record: {}\n", HashOf(file));
-    std::string text = identification::ToScenario(*result, applied, *written, include, arguments.overrides);
+    std::string text = identification::ToScenario(*result, applied, *written, *included, include, arguments.overrides);
     text.insert(identification::kIdentified.size(), records);
     if (Status failed = WriteFileAtomically(out, text)) {
       Complain(failed->ToString() + "\n");

@@ -420,8 +420,8 @@ bool ActsOnOneOf(const std::vector<std::string>& paths, const Plan& applied, con
 
 }  // namespace
 
-std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
-                       const std::vector<std::string>& overrides) {
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const Plan& included,
+                       const std::string& include, const std::vector<std::string>& overrides) {
   Plan found = plan;
   std::vector<std::string> changed;
   for (const std::string& change : overrides) changed.push_back(change.substr(0, change.find('=')));
@@ -436,13 +436,16 @@ std::string ToScenario(const Identified& identified, const Plan& plan, const Pla
   tree["include"] = Value::Array{include};
   // Limits, oracles and golden traces are those of the other numbers.
   Value::Array without;
-  if (plan.root.Find("check") != nullptr) without.emplace_back("check");
+  const auto leave_out = [&](const std::string& section) {
+    if (included.root.Find(section) != nullptr) without.emplace_back(section);
+  };
+  leave_out("check");
   if (ActsOnOneOf(changed, plan, written)) {
-    without.emplace_back("effect");
+    leave_out("effect");
     for (const Value::Entry& section : found.root.table()) {
       const Value *before = written.root.Find(section.key), *after = plan.root.Find(section.key);
       if (section.key == "check" || (before != nullptr && Same(*before, *after))) continue;
-      if (before != nullptr) without.emplace_back(section.key);
+      leave_out(section.key);
       changed.push_back(section.key);
     }
   }

@@ -99,10 +99,10 @@ std::string ToTable(const Identified& identified);
 /// How such a file begins.
 inline constexpr std::string_view kIdentified = "# With numbers that were identified.\n";
 /// A scenario file that includes another: with these values, and with what `overrides` (KEY=VALUE) changed in it.
-/// `written` is the included scenario as it stands there, `plan` the same with its effects applied. Where one of them
+/// `included` is that file as it stands there, `written` the same with the overrides, `plan` that with its effects applied. Where one of them
 /// has changed a number that is written here, it would act on that once more: the file then has all sections that
 /// effects have changed as they are, and no effect.
-std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const std::string& include,
-                       const std::vector<std::string>& overrides);
+std::string ToScenario(const Identified& identified, const Plan& plan, const Plan& written, const Plan& included,
+                       const std::string& include, const std::vector<std::string>& overrides);
 
 }  // namespace dynoproof::identification

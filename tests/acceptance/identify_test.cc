@@ -115,6 +115,29 @@ TEST_F(Identify, AnEffectOfTheScenarioActsOnceInWhatItWrites) {
   }
 }
 
+// The file that is included has none of what --set tries: it was told to leave that out, and could not be read.
+TEST_F(Identify, WhatSetTriesIsInTheFileThatItWrites) {
+  Record({"plant.inertia.I3=0.55"});
+  const std::string gain = R"({name="sensor_gain",at="output:T_shaft",parameters={g=1.05}})",
+                    change = R"({name="inertia_change",at="inertia:I3",parameters={delta=-0.2}})";
+  bench_.Write("with_effect.toml", std::string(Bench::kLine) +
+                                       "\n[[effect]]\nname = \"inertia_change\"\nat = \"inertia:I2\"\n" +
+                                       "parameters = { delta = 0.1 }\n");
+  for (const std::string scenario : {"line.toml", "with_effect.toml"}) {
+    for (const std::string& effects : {"[" + gain + "]", "[" + gain + "," + change + "]"}) {
+      const nlohmann::json fit =
+          bench_.Json({"identify", scenario, "--set", "effect=" + effects, "--data", "record.csv", "--free", kInertia,
+                       "--starts", "1", "--out", "found.toml"});
+      ASSERT_EQ(fit["exit"], 0) << fit.dump(1);
+      const nlohmann::json again =
+          bench_.Json({"identify", "found.toml", "--data", "record.csv", "--free", kInertia, "--starts", "1"});
+      ASSERT_TRUE(again.contains("nrmse_before")) << again.dump(1) << ReadBytes(bench_ / "found.toml");
+      EXPECT_NEAR(again["nrmse_before"].get<double>(), fit["nrmse_after"].get<double>(), 1e-9)
+          << scenario << effects << ReadBytes(bench_ / "found.toml");
+    }
+  }
+}
+
 TEST_F(Identify, FreesANumberThatIsLeftToItsDefault) {
   Record();
   std::string text = Bench::kLine;
