@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "diagnosis/report.h"
 #include "reports/html.h"
 
 namespace dynoproof::reports {
@@ -18,20 +19,6 @@ std::string Spans(const std::vector<std::pair<double, double>>& spans, const cha
   std::string text;
   for (const auto& [from, to] : spans) text += fmt::format("{}{:.4g} ... {:.4g}", text.empty() ? "" : ", ", from, to);
   return text.empty() ? none : text + " " + unit;
-}
-
-/// "inertia_change at inertia:I3, inertia = nominal (1 + delta), delta 0.100 (95 %: 0.099 ... 0.101)", of each cause; empty
-/// without one.
-std::string WithNumbers(const Diagnosis& d) {
-  std::string text;
-  for (const diagnosis::FoundEffect& effect : d.effects) {
-    text += fmt::format("{}{} at {}, {}", text.empty() ? "" : "; ", effect.name, effect.at, effect.law);
-    for (const diagnosis::FoundParameter& one : effect.parameters) {
-      text += fmt::format(", {} {}{}{} (95 %: {} ... {})", one.name, one.Text(one.value), one.unit == "1" ? "" : " ",
-                          one.unit == "1" ? "" : one.unit, one.Text(one.lower), one.Text(one.upper));
-    }
-  }
-  return text;
 }
 
 /// The cause in a few words: "inertia_change at inertia:I3", else the verdict.
@@ -50,8 +37,10 @@ std::string Confidence(const diagnosis::FoundEffect& effect) {
 
 std::string Causes(const Diagnosis& d) {
   if (d.effects.empty()) return "";
-  std::string rows;
+  std::string rows, laws;
   for (const diagnosis::FoundEffect& effect : d.effects) {
+    laws += fmt::format("<p><code>{}</code> at {}: {}, {}.</p>\n", Escape(effect.name), Escape(effect.at),
+                        Escape(effect.description), Escape(effect.law));
     // An effect without a number is a row as well.
     if (effect.parameters.empty())
       rows += Row(std::vector<Cell>{
@@ -67,14 +56,16 @@ std::string Causes(const Diagnosis& d) {
                                 {Unit(parameter.unit)}});
     }
   }
-  return "<h2>Cause</h2>\n" + Table(std::vector<Cell>{{"effect"},
-                                                      {"at"},
-                                                      {"confidence", "number"},
-                                                      {"parameter"},
-                                                      {"value", "number"},
-                                                      {"95 % interval", "number"},
-                                                      {"unit"}},
-                                    rows);
+  return "<h2>Cause</h2>\n" +
+         Table(std::vector<Cell>{{"effect"},
+                                 {"at"},
+                                 {"confidence", "number"},
+                                 {"parameter"},
+                                 {"value", "number"},
+                                 {"95 % interval", "number"},
+                                 {"unit"}},
+               rows) +
+         laws;
 }
 
 std::string Gains(const Diagnosis& d) {
@@ -163,15 +154,15 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
   title += ": " + Spoken(d);
   const bool settled =
       d.verdict == diagnosis::Conclusion::kEffectFound || d.verdict == diagnosis::Conclusion::kNoEffect;
-  const std::string lead =
-      fmt::format("<span class=\"verdict {}\">{}</span> {}{}.", settled ? "pass" : "inconclusive", ToString(d.verdict),
-                  Escape(d.effects.empty() ? "" : WithNumbers(d) + ": "), Escape(d.reason));
+  const std::string lead = fmt::format("<span class=\"verdict {}\">{}</span> {}.", settled ? "pass" : "inconclusive",
+                                       ToString(d.verdict), Escape(diagnosis::Sentence(d)));
   std::string body;
   std::string files;
   for (const std::string& record : records) files += (files.empty() ? "" : ", ") + record;
   body += fmt::format("<p class=\"source\">scenario {}, records {}; {:.0f} simulations</p>\n", Escape(scenario),
                       Escape(files), d.simulations);
   for (const std::string& note : d.notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
+  if (d.verdict == diagnosis::Conclusion::kEffectFound) body += fmt::format("<p>{}.</p>\n", Escape(d.reason));
   body += Causes(d);
   for (const auto& set : d.ambiguous_with) {
     std::string names;

@@ -73,6 +73,7 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
     FoundEffect found;
     found.name = effect->info().name;
     found.at = place.ToString();
+    found.description = effect->info().description;
     found.law = effect->info().law;
     for (const EffectParameter& known : effect->info().parameters) {
       const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];

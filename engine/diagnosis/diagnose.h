@@ -28,7 +28,7 @@ struct FoundParameter {
 };
 struct FoundEffect {
   std::string name, at;
-  std::string law;                   // "stiffness = nominal (1 + delta)"
+  std::string description, law;      // "the nominal stiffness is off", "stiffness = nominal (1 + delta)"
   std::optional<double> confidence;  // ConfidenceOf(): of the verdict, the same for all effects that it shows
   std::vector<FoundParameter> parameters;
 };

@@ -126,8 +126,32 @@ json ToJson(const Diagnosis& d) {
   return out;
 }
 
+std::string Sentence(const Diagnosis& d) {
+  const bool named = d.verdict == Conclusion::kEffectFound || d.verdict == Conclusion::kMainCause;
+  if (!named || d.effects.empty()) return d.reason;
+  std::string text;
+  for (const FoundEffect& effect : d.effects) {
+    text += fmt::format("{}{}, at {}", text.empty() ? "" : "; and ", effect.description, effect.at);
+    for (const FoundParameter& p : effect.parameters) {
+      text += fmt::format("{} {} {}{}", &p == &effect.parameters.front() ? " with" : ",", p.name, p.Text(p.value),
+                          p.unit == "1" ? "" : " " + p.unit);
+    }
+  }
+  text += d.effects.size() > 1 ? ". They explain" : ". It explains";
+  if (d.explained) text += fmt::format(" {:.3g} % of", 100.0 * d.explained->value);
+  text += " what the model gets wrong on data that took no part; what is left is ";
+  if (d.verdict == Conclusion::kEffectFound) return text + "noise";
+  text += "more than noise";
+  for (const auto& [signal, left] : d.left) {
+    if (!left.where.condition.empty()) return text + fmt::format(", in {} {}", signal, left.where.condition);
+  }
+  return text;
+}
+
 std::string ToTable(const Diagnosis& d) {
-  std::string text = fmt::format("{}: {}\n", ToString(d.verdict), d.reason);
+  std::string text = fmt::format("{}: {}\n", ToString(d.verdict), Sentence(d));
+  // A main cause is told with its reason, a share; one that leaves nothing but noise has another: that nothing else does.
+  if (d.verdict == Conclusion::kEffectFound && !d.effects.empty()) text += fmt::format("  {}\n", d.reason);
   for (const FoundEffect& effect : d.effects) {
     text += fmt::format("\n  {} at {}: {}{}\n", effect.name, effect.at, effect.law,
                         effect.confidence ? fmt::format("  (confidence {:.3f})", *effect.confidence) : "");
