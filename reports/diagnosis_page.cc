@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "diagnosis/report.h"
@@ -72,10 +74,12 @@ std::string Gains(const Diagnosis& d) {
   std::string rows;
   for (const auto& [what, gains] : {std::pair("training", &d.train), std::pair("hold-out", &d.holdout)}) {
     for (const auto& [signal, gain] : *gains) {
+      const auto released = d.released.find(signal);
       rows += Row(std::vector<Cell>{
           {what},
           {Escape(signal), "key"},
           {FourDigits(gain.before), "number"},
+          {what[0] == 'h' && released != d.released.end() ? FourDigits(released->second) : "–", "number"},
           {FourDigits(gain.after), "number"},
           {what[0] == 'h' ? fmt::format("{} ... {}", FourDigits(gain.lower), FourDigits(gain.upper)) : "–", "number"}});
     }
@@ -84,8 +88,9 @@ std::string Gains(const Diagnosis& d) {
   return "<h2>Gain</h2>\n" +
          Table(std::vector<Cell>{{"data"},
                                  {"signal"},
-                                 {"NRMSE before", "number"},
-                                 {"after", "number"},
+                                 {"NRMSE as given", "number"},
+                                 {"nominal values let go", "number"},
+                                 {"with the cause", "number"},
                                  {"gain, 95 % interval", "number"}},
                rows) +
          fmt::format("<p class=\"source\">{}</p>\n",
@@ -93,13 +98,38 @@ std::string Gains(const Diagnosis& d) {
                                    : "No hold-out record was given: the last 30 % of the data were kept for it.");
 }
 
+/// The levels at which any candidate was fitted, in their order.
+std::vector<std::string> LevelsOf(const Diagnosis& d) {
+  std::vector<std::string> levels;
+  for (const diagnosis::Considered& one : d.considered) {
+    for (const auto& [level, share] : one.shares) {
+      if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
+    }
+  }
+  return levels;
+}
+
+/// A bar: what a candidate removes at a level. A cause removes it at all of them, what only follows the error at one.
+Cell ShareAt(const diagnosis::Considered& one, const std::string& level) {
+  const auto found = std::ranges::find(one.shares, level, &std::pair<std::string, double>::first);
+  if (found == one.shares.end()) return {"–"};
+  return {fmt::format("<meter value=\"{:.3f}\" min=\"0\" max=\"1\"></meter>&nbsp;{:.0f}&nbsp;%",
+                      std::clamp(found->second, 0.0, 1.0), std::round(100.0 * found->second) + 0.0)};
+}
+
 std::string Considerations(const Diagnosis& d) {
+  const std::vector<std::string> levels = LevelsOf(d);
+  std::vector<Cell> head = {{"effect"}, {"at"}};
+  for (const std::string& level : levels) head.push_back({level});
+  head.push_back({"NRMSE on validation", "number"});
+  head.push_back({"why not"});
   std::string rows;
   for (const diagnosis::Considered& one : d.considered) {
-    rows += Row(std::vector<Cell>{{Escape(one.name), "key"},
-                                  {Escape(one.at)},
-                                  {FourDigits(one.validation_nrmse), "number"},
-                                  {Escape(one.why_not), "wide"}});
+    std::vector<Cell> row = {{Escape(one.name), "key"}, {Escape(one.at)}};
+    for (const std::string& level : levels) row.push_back(ShareAt(one, level));
+    row.push_back({FourDigits(one.validation_nrmse), "number"});
+    row.push_back({one.named ? "<b>named</b>" : Escape(one.why_not), "wide"});
+    rows += Row(row);
   }
   std::string seen;
   for (const diagnosis::Seen& one : d.would_have_seen) {
@@ -108,8 +138,13 @@ std::string Considerations(const Diagnosis& d) {
   }
   std::string html;
   if (!rows.empty()) {
-    html += "<h2>What was considered, and why not</h2>\n" +
-            Table(std::vector<Cell>{{"effect"}, {"at"}, {"NRMSE on validation", "number"}, {"why not"}}, rows);
+    html += "<h2>What was considered, and why not</h2>\n";
+    if (!levels.empty())
+      html +=
+          "<p>Bars: the share that each removes of what the nominal model leaves beyond noise of the data that were "
+          "fitted, beside "
+          "a run that the record corrects with a memory of so long, and in the free run.</p>\n";
+    html += Table(head, rows);
   }
   if (!seen.empty()) {
     html += "<h2>What would have been seen</h2>\n" +

@@ -104,6 +104,17 @@ double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
   return std::sqrt(sum / static_cast<double>(channels.size()));
 }
 
+/// By level, the share of the null's excess that a model removes.
+std::vector<std::pair<std::string, double>> SharesOf(const Contestant& one, const Contestant& null,
+                                                     const Levels& levels) {
+  std::vector<std::pair<std::string, double>> shares;
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!levels.IsSteppingStone(level) && one.Holds(level) && null.Holds(level))
+      shares.emplace_back(levels.Name(level), ShareOf(one, null, levels, level));
+  }
+  return shares;
+}
+
 /// The share of unknown forces that the innovations of a model are most likely with: how much of what drives the machine it does not
 /// account for. Nothing where its run holds at no level.
 std::optional<double> UnknownForcesOf(const Contestant& one, const Levels& levels) {
@@ -292,7 +303,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  named              ? ""
                                  : contest.complete ? OutcomeOf(settled, one)
                                                     : "the search ended before it was followed",
-                                 NrmseOf(one, levels, at)});
+                                 NrmseOf(one, levels, at), SharesOf(one, contest.null(), levels), named});
   }
   if (result.effects.empty()) return {};
   const Result<std::string> file = WriteExtended(problem, hypothesis, result, task.options);

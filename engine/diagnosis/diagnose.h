@@ -54,6 +54,9 @@ struct Left {
 struct Considered {
   std::string name, at, why_not;  // why_not: empty of a cause
   double validation_nrmse = 0.0;  // RMS over the signals of what it leaves
+  /// By level, the share that it removes of what the nominal model leaves beyond noise of the data that were fitted.
+  std::vector<std::pair<std::string, double>> shares = {};
+  bool named = false;  // a cause, or one of those that are not told apart
 };
 /// A nominal value that was fitted along.
 struct Refitted {

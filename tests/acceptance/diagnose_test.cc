@@ -77,6 +77,10 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   for (const char* text : {"inertia_change", "measured - simulated", "mean residual over", "extended - simulated",
                            "What was considered", "extended", "How the verdict came about"})
     EXPECT_THAT(page, HasSubstr(text));
+  // The cause removes all there is in the free run, and is marked.
+  const std::string row = page.substr(page.find("<meter", page.find("What was considered")), 500);
+  EXPECT_THAT(row.substr(0, row.find("</tr>")), HasSubstr("&nbsp;100&nbsp;%"));
+  EXPECT_THAT(row.substr(0, row.find("</tr>")), HasSubstr("<b>named</b>"));
 }
 
 // Without a budget the search goes all its roads where nobody explains the data.
