@@ -37,6 +37,13 @@ std::string Confidence(const diagnosis::FoundEffect& effect) {
   return effect.confidence ? fmt::format("{:.1f} %", 100.0 * *effect.confidence) : "not calibrated";
 }
 
+/// Adds the levels of `by_level` that are not among `levels` yet.
+void AddLevels(const std::vector<std::pair<std::string, double>>& by_level, std::vector<std::string>& levels) {
+  for (const auto& [level, number] : by_level) {
+    if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
+  }
+}
+
 std::string Causes(const Diagnosis& d) {
   if (d.effects.empty()) return "";
   std::string rows, laws;
@@ -70,6 +77,34 @@ std::string Causes(const Diagnosis& d) {
          laws;
 }
 
+/// The numbers of the causes as each level has them.
+std::string OverLevels(const Diagnosis& d) {
+  std::vector<std::string> levels;
+  for (const diagnosis::FoundEffect& effect : d.effects) {
+    for (const diagnosis::FoundParameter& parameter : effect.parameters) AddLevels(parameter.by_level, levels);
+  }
+  if (levels.size() < 2) return "";
+  std::vector<Cell> head = {{"effect"}, {"parameter"}};
+  for (const std::string& level : levels) head.push_back({level, "number"});
+  head.push_back({"unit"});
+  std::string rows;
+  for (const diagnosis::FoundEffect& effect : d.effects) {
+    for (const diagnosis::FoundParameter& parameter : effect.parameters) {
+      std::vector<Cell> row = {{Escape(effect.name), "key"}, {Escape(parameter.name)}};
+      for (const std::string& level : levels) {
+        const auto found = std::ranges::find(parameter.by_level, level, &std::pair<std::string, double>::first);
+        row.push_back({found != parameter.by_level.end() ? FourDigits(found->second) : "–", "number"});
+      }
+      row.push_back({Unit(parameter.unit)});
+      rows += Row(row);
+    }
+  }
+  return "<p>Fitted beside a run that the record corrects with a memory of so long, and in the free run: a cause has "
+         "the same numbers "
+         "at each.</p>\n" +
+         Table(head, rows);
+}
+
 std::string Gains(const Diagnosis& d) {
   std::string rows;
   for (const auto& [what, gains] : {std::pair("training", &d.train), std::pair("hold-out", &d.holdout)}) {
@@ -98,17 +133,6 @@ std::string Gains(const Diagnosis& d) {
                                    : "No hold-out record was given: the last 30 % of the data were kept for it.");
 }
 
-/// The levels at which any candidate was fitted, in their order.
-std::vector<std::string> LevelsOf(const Diagnosis& d) {
-  std::vector<std::string> levels;
-  for (const diagnosis::Considered& one : d.considered) {
-    for (const auto& [level, share] : one.shares) {
-      if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
-    }
-  }
-  return levels;
-}
-
 /// A bar: what a candidate removes at a level. A cause removes it at all of them, what only follows the error at one.
 Cell ShareAt(const diagnosis::Considered& one, const std::string& level) {
   const auto found = std::ranges::find(one.shares, level, &std::pair<std::string, double>::first);
@@ -118,7 +142,8 @@ Cell ShareAt(const diagnosis::Considered& one, const std::string& level) {
 }
 
 std::string Considerations(const Diagnosis& d) {
-  const std::vector<std::string> levels = LevelsOf(d);
+  std::vector<std::string> levels;
+  for (const diagnosis::Considered& one : d.considered) AddLevels(one.shares, levels);
   std::vector<Cell> head = {{"effect"}, {"at"}};
   for (const std::string& level : levels) head.push_back({level});
   head.push_back({"NRMSE on validation", "number"});
@@ -198,7 +223,7 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
                       Escape(files), d.simulations);
   for (const std::string& note : d.notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
   if (d.verdict == diagnosis::Conclusion::kEffectFound) body += fmt::format("<p>{}.</p>\n", Escape(d.reason));
-  body += Causes(d);
+  body += Causes(d) + OverLevels(d);
   for (const auto& set : d.ambiguous_with) {
     std::string names;
     for (const std::string& name : set) names += (names.empty() ? "" : ", ") + name;

@@ -79,6 +79,10 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
       const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
       const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
       found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+      for (std::size_t level = 0; level < levels.size(); ++level) {
+        if (!levels.IsSteppingStone(level) && one.Holds(level))
+          found.parameters.back().by_level.emplace_back(levels.Name(level), parameter.ValueAt(one.levels[level].q[i]));
+      }
       ++i;
     }
     all.push_back(std::move(found));

@@ -22,6 +22,8 @@ namespace dynoproof::diagnosis {
 struct FoundParameter {
   std::string name, unit;
   double value = 0.0, lower = 0.0, upper = 0.0;  // 95 % interval
+  /// What the fit at each level says. A cause has the same number at all of them, where what only follows the error does not.
+  std::vector<std::pair<std::string, double>> by_level = {};
 
   /// One of the three, with two digits of what the interval leaves open.
   std::string Text(double number) const;

@@ -74,8 +74,9 @@ TEST_F(Measured, AChangedInertiaIsNamedAndTheExtendedScenarioRuns) {
   EXPECT_THAT(ReadBytes(bench_ / "found/extended.toml"),
               HasSubstr("\n[extension]\nof = \"" + std::filesystem::canonical(bench_ / "line.toml").string() + "\"\n"));
   const std::string page = ReadBytes(bench_ / "found/page.html");
-  for (const char* text : {"inertia_change", "measured - simulated", "mean residual over", "extended - simulated",
-                           "What was considered", "extended", "How the verdict came about"})
+  for (const char* text :
+       {"inertia_change", "measured - simulated", "mean residual over", "extended - simulated", "What was considered",
+        "extended", "How the verdict came about", "a cause has the same numbers"})
     EXPECT_THAT(page, HasSubstr(text));
   // The cause removes all there is in the free run, and is marked.
   const std::string row = page.substr(page.find("<meter", page.find("What was considered")), 500);
