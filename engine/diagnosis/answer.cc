@@ -64,7 +64,8 @@ std::vector<std::string> NominalValuesAlike(const identification::EstimationProb
         estimation::Fit(one.hypothesis, levels[level], StartFrom(one.hypothesis, null.hypothesis, null.levels[level].q),
                         {.renewals = 6, .of_excess = policy::kCarriedTo}));
     const Contestant both[] = {cause, one};
-    const bool stands = one.Holds(level) && IsExact(one.levels[level]) && !Weights(both, levels, level).Beats(0, 1);
+    const bool stands = one.Holds(level) && IsExact(one.levels[level]) &&
+                        !Weights(both, levels, level, RowsCount::kByBlock).Beats(0, 1);
     if (stands) alike.push_back("nominal_value@" + nuisance.path);
     journal.push_back({"ambiguity",
                        {"nominal_value@" + nuisance.path, cause.Name()},

@@ -169,7 +169,7 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
         return one.Holds(level) && IsExact(one.levels[level]) && IsQuiet(one.levels[level], levels.data());
       });
   std::optional<Weights> weights;
-  if (found) weights.emplace(contestants, levels, level);
+  if (found) weights.emplace(contestants, levels, level, RowsCount::kByBlock);
   for (std::size_t i = 1; i < contestants.size(); ++i) {
     const Contestant& one = contestants[i];
     double own = -std::numeric_limits<double>::infinity();

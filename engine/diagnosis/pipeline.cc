@@ -349,7 +349,7 @@ bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
     without.levels[level].q = StartFrom(without.hypothesis, all.hypothesis, idle.q);
     if (!PolishAt(level, without, null)) continue;
     const Contestant both[] = {all, without};
-    if (Weights(both, levels_, level).Beats(0, 1)) continue;
+    if (Weights(both, levels_, level, RowsCount::kByBlock).Beats(0, 1)) continue;
     auto& contestants = before.contest.contestants;
     const auto same = std::ranges::find(contestants, without.Name(), &Contestant::Name);
     if (same != contestants.end())

@@ -123,7 +123,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   const auto& all = contest.contestants;
   settled.exact = true;
   settled.level = level;
-  const Weights weights(contest.contestants, levels, level);
+  const Weights weights(contest.contestants, levels, level, RowsCount::kByBlock);
   // The residual of an exact model holds systematic errors too, as of an input between its samples, and the further numbers of a refined
   // law follow some of them. It has to lower the residual's power by more than the uncertainty of the noise's power.
   const auto beats = [&](std::size_t a, std::size_t b) {
@@ -214,7 +214,7 @@ class Shares {
     for (std::size_t level = contest.first; level < levels.size(); ++level) {
       if (levels.IsSteppingStone(level)) continue;
       asked_.push_back(level);
-      weights_[level].emplace(contest.contestants, levels, level);
+      weights_[level].emplace(contest.contestants, levels, level, RowsCount::kByChannel);
     }
   }
 

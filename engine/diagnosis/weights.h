@@ -10,10 +10,14 @@
 
 namespace dynoproof::diagnosis {
 
-/// Of all pairs. Innovations are those of leaving blocks out; they count by what the best leaves there (RowWeights).
+/// What rows count by: where a model leaves nothing but noise, by what the best leaves in their block; where none does, by what it leaves
+/// in their channel, for blocks in which little is wrong would outweigh those that tell models apart.
+enum class RowsCount { kByBlock, kByChannel };
+
+/// Of all pairs. Innovations are those of leaving blocks out.
 class Weights {
  public:
-  Weights(std::span<const Contestant> contestants, const Levels& levels, std::size_t level);
+  Weights(std::span<const Contestant> contestants, const Levels& levels, std::size_t level, RowsCount rows);
 
   /// Nothing where one of both has no estimate here.
   const std::optional<estimation::Weight>& Of(std::size_t a, std::size_t b) const { return weights_[a][b]; }

@@ -35,8 +35,18 @@ VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hyp
   return left;
 }
 
-VectorXd RowWeights(std::span<const VectorXd> innovations, const DataSet& data,
-                    const std::vector<ChannelScale>& scales) {
+VectorXd WeightsByChannel(const DataSet& data, const std::vector<ChannelScale>& scales) {
+  VectorXd weights(data.measured().size());
+  for (std::size_t c = 0; c < data.channels().size(); ++c) {
+    const Channel& channel = data.channels()[c];
+    weights.segment(channel.begin, channel.count)
+        .setConstant(1.0 / (scales[c].rms * scales[c].rms * scales[c].correlation));
+  }
+  return weights;
+}
+
+VectorXd WeightsByBlock(std::span<const VectorXd> innovations, const DataSet& data,
+                        const std::vector<ChannelScale>& scales) {
   VectorXd weights(data.measured().size());
   for (const Block& block : BlocksOf(data)) {
     for (const auto& [c, begin, count] : block.rows) {

@@ -16,11 +16,14 @@ struct Weight {
   double lambda = 0.5, standard_error = 0.0;
 };
 
-/// What rows count in a comparison of models, 1 / (s^2 tau): s is what the best of them leaves of the row's channel in the row's block
-/// of time, and at least the channel's noise; tau the correlation time in `scales`, by channel. An impact that no model meets counts no
-/// more than any other block does. `innovations`: of each model by row, or empty.
-Eigen::VectorXd RowWeights(std::span<const Eigen::VectorXd> innovations, const DataSet& data,
-                           const std::vector<ChannelScale>& scales);
+/// What rows count in a comparison of models, 1 / (s^2 tau), by the `scales` of a channel: s the RMS that a model leaves there, tau the
+/// correlation time.
+Eigen::VectorXd WeightsByChannel(const DataSet& data, const std::vector<ChannelScale>& scales);
+/// The same with s by block of time: what the best of the models leaves of the channel there, and at least its noise. Where a model leaves
+/// nothing but noise, an impact that none of them meets counts no more than any other block does. `innovations`: of each model by row,
+/// or empty.
+Eigen::VectorXd WeightsByBlock(std::span<const Eigen::VectorXd> innovations, const DataSet& data,
+                               const std::vector<ChannelScale>& scales);
 
 /// lambda = sum w e_a d / sum w d^2, d = e_a - e_b: the weight of b in the mixture of the two predictions that leaves
 /// least (Davidson, MacKinnon 1981; Harvey, Leybourne, Newbold 1998). `a`, `b`: innovations by row; `w`: what rows count. The

@@ -93,7 +93,7 @@ TEST(Encompassing, ErrsAsOftenAsItsErrorSays) {
   EXPECT_LT(beyond, 33);
 }
 
-TEST(RowWeights, AreThoseOfWhatTheBestLeavesInABlock) {
+TEST(WeightsByBlock, AreThoseOfWhatTheBestLeavesInABlock) {
   const std::vector<ChannelScale> scales = {{1.0, 1.0, 2.0}, {1.0, 1.0, 1.0}};
   const Block::Rows there = BlocksOf(Data())[7].rows[0], elsewhere = BlocksOf(Data())[8].rows[0];
   ASSERT_EQ(there.channel, 0U);
@@ -101,16 +101,16 @@ TEST(RowWeights, AreThoseOfWhatTheBestLeavesInABlock) {
   Eigen::VectorXd one = Eigen::VectorXd::Constant(Data().measured().size(), 5.0 * noise), other = 2.0 * one, none;
   other.segment(there.begin, there.count).setConstant(3.0 * noise);
   const Eigen::VectorXd left[] = {none, one, other};
-  const Eigen::VectorXd weights = RowWeights(left, Data(), scales);
+  const Eigen::VectorXd weights = WeightsByBlock(left, Data(), scales);
   EXPECT_NEAR(weights[there.begin] * std::pow(3.0 * noise, 2) * 2.0, 1.0, 1e-12);
   EXPECT_NEAR(weights[elsewhere.begin] * std::pow(5.0 * noise, 2) * 2.0, 1.0, 1e-12);
   // Less than noise is chance, or what an input does between its samples.
   const Eigen::VectorXd exact[] = {0.1 * one};
-  EXPECT_NEAR(RowWeights(exact, Data(), scales)[there.begin] * std::pow(noise, 2) * 2.0, 1.0, 1e-12);
+  EXPECT_NEAR(WeightsByBlock(exact, Data(), scales)[there.begin] * std::pow(noise, 2) * 2.0, 1.0, 1e-12);
 }
 
 /// An impact that both miss is larger than all else, and says which is right in its block alone.
-TEST(RowWeights, KeepAnImpactThatEveryModelMissesFromDeciding) {
+TEST(WeightsByBlock, KeepAnImpactThatEveryModelMissesFromDeciding) {
   const Eigen::VectorXd noise = Data().channels()[0].noise * Noise(6, Data().measured().size());
   Eigen::VectorXd right = noise, wrong = noise + 0.7 * Data().channels()[0].noise * Noise(7, noise.size());
   for (const Block::Rows& rows : BlocksOf(Data())[20].rows) {
@@ -120,7 +120,7 @@ TEST(RowWeights, KeepAnImpactThatEveryModelMissesFromDeciding) {
   const std::vector<ChannelScale> scales(2, {1.0, 1.0, 1.0});
   EXPECT_NE(Compare(Encompassing(right, wrong, Data(), Alike())), Comparison::kFirst);
   const Eigen::VectorXd left[] = {right, wrong};
-  EXPECT_EQ(Compare(Encompassing(right, wrong, Data(), RowWeights(left, Data(), scales))), Comparison::kFirst);
+  EXPECT_EQ(Compare(Encompassing(right, wrong, Data(), WeightsByBlock(left, Data(), scales))), Comparison::kFirst);
 }
 
 }  // namespace
