@@ -137,9 +137,12 @@ std::string Sentence(const Diagnosis& d) {
                           p.unit == "1" ? "" : " " + p.unit);
     }
   }
-  text += d.effects.size() > 1 ? ". They explain" : ". It explains";
-  if (d.explained) text += fmt::format(" {:.3g} % of", 100.0 * d.explained->value);
-  text += " what the model gets wrong on data that took no part; what is left is ";
+  if (d.explained) {
+    text += fmt::format(". {} {:.3g} % of what the model gets wrong on data that took no part; what is left is ",
+                        d.effects.size() > 1 ? "They explain" : "It explains", 100.0 * d.explained->value);
+  } else {
+    text += ". What is left is ";
+  }
   if (d.verdict == Conclusion::kEffectFound) return text + "noise";
   text += "more than noise";
   for (const auto& [signal, left] : d.left) {

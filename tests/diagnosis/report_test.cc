@@ -33,6 +33,12 @@ TEST(Sentence, TellsTheCauseItsSizeAndItsShare) {
       "that took no part; what is left is more than noise");
 }
 
+TEST(Sentence, ClaimsNoShareWhereNothingCouldBeCompared) {
+  Diagnosis d = Friction();
+  d.explained.reset();
+  EXPECT_THAT(Sentence(d), ::testing::EndsWith("with T_c 20.6 N m. What is left is more than noise"));
+}
+
 TEST(Sentence, SaysWhereWhatIsLeftShows) {
   Diagnosis d = Friction();
   d.left["q"] = {0.1, {}};

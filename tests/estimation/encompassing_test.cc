@@ -93,6 +93,13 @@ TEST(Encompassing, ErrsAsOftenAsItsErrorSays) {
   EXPECT_LT(beyond, 33);
 }
 
+TEST(WeightsByChannel, AreThoseOfItsRmsAndItsCorrelation) {
+  const Eigen::VectorXd weights = WeightsByChannel(Data(), {{2.0, 1.0, 3.0}, {0.5, 1.0, 1.0}});
+  const Channel &first = Data().channels()[0], &second = Data().channels()[1];
+  EXPECT_TRUE(weights.segment(first.begin, first.count).isConstant(1.0 / 12.0));
+  EXPECT_TRUE(weights.segment(second.begin, second.count).isConstant(4.0));
+}
+
 TEST(WeightsByBlock, AreThoseOfWhatTheBestLeavesInABlock) {
   const std::vector<ChannelScale> scales = {{1.0, 1.0, 2.0}, {1.0, 1.0, 1.0}};
   const Block::Rows there = BlocksOf(Data())[7].rows[0], elsewhere = BlocksOf(Data())[8].rows[0];
