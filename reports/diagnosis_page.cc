@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "diagnosis/report.h"
 #include "reports/html.h"
@@ -37,8 +38,16 @@ std::string Confidence(const diagnosis::FoundEffect& effect) {
   return effect.confidence ? fmt::format("{:.1f} %", 100.0 * *effect.confidence) : "not calibrated";
 }
 
+using ByLevel = std::vector<std::pair<std::string, double>>;  // numbers by a level's name
+
+/// The number at a level; nothing where there is none.
+std::optional<double> At(const ByLevel& numbers, const std::string& level) {
+  const auto found = std::ranges::find(numbers, level, &ByLevel::value_type::first);
+  return found != numbers.end() ? std::optional(found->second) : std::nullopt;
+}
+
 /// Adds the levels of `by_level` that are not among `levels` yet.
-void AddLevels(const std::vector<std::pair<std::string, double>>& by_level, std::vector<std::string>& levels) {
+void AddLevels(const ByLevel& by_level, std::vector<std::string>& levels) {
   for (const auto& [level, number] : by_level) {
     if (std::ranges::find(levels, level) == levels.end()) levels.push_back(level);
   }
@@ -92,16 +101,15 @@ std::string OverLevels(const Diagnosis& d) {
     for (const diagnosis::FoundParameter& parameter : effect.parameters) {
       std::vector<Cell> row = {{Escape(effect.name), "key"}, {Escape(parameter.name)}};
       for (const std::string& level : levels) {
-        const auto found = std::ranges::find(parameter.by_level, level, &std::pair<std::string, double>::first);
-        row.push_back({found != parameter.by_level.end() ? FourDigits(found->second) : "–", "number"});
+        const std::optional<double> value = At(parameter.by_level, level);
+        row.push_back({value ? FourDigits(*value) : "–", "number"});
       }
       row.push_back({Unit(parameter.unit)});
       rows += Row(row);
     }
   }
   return "<p>Fitted beside a run that the record corrects with a memory of so long, and in the free run: a cause has "
-         "the same numbers "
-         "at each.</p>\n" +
+         "the same numbers at each.</p>\n" +
          Table(head, rows);
 }
 
@@ -135,10 +143,10 @@ std::string Gains(const Diagnosis& d) {
 
 /// A bar: what a candidate removes at a level. A cause removes it at all of them, what only follows the error at one.
 Cell ShareAt(const diagnosis::Considered& one, const std::string& level) {
-  const auto found = std::ranges::find(one.shares, level, &std::pair<std::string, double>::first);
-  if (found == one.shares.end()) return {"–"};
+  const std::optional<double> share = At(one.shares, level);
+  if (!share) return {"–"};
   return {fmt::format("<meter value=\"{:.3f}\" min=\"0\" max=\"1\"></meter>&nbsp;{:.0f}&nbsp;%",
-                      std::clamp(found->second, 0.0, 1.0), std::round(100.0 * found->second) + 0.0)};
+                      std::clamp(*share, 0.0, 1.0), std::round(100.0 * *share) + 0.0)};
 }
 
 std::string Considerations(const Diagnosis& d) {
@@ -153,7 +161,7 @@ std::string Considerations(const Diagnosis& d) {
     std::vector<Cell> row = {{Escape(one.name), "key"}, {Escape(one.at)}};
     for (const std::string& level : levels) row.push_back(ShareAt(one, level));
     row.push_back({FourDigits(one.validation_nrmse), "number"});
-    row.push_back({one.named ? "<b>named</b>" : Escape(one.why_not), "wide"});
+    row.push_back({one.why_not.empty() ? "<b>named</b>" : Escape(one.why_not), "wide"});
     rows += Row(row);
   }
   std::string seen;
@@ -167,8 +175,7 @@ std::string Considerations(const Diagnosis& d) {
     if (!levels.empty())
       html +=
           "<p>Bars: the share that each removes of what the nominal model leaves beyond noise of the data that were "
-          "fitted, beside "
-          "a run that the record corrects with a memory of so long, and in the free run.</p>\n";
+          "fitted, beside a run that the record corrects with a memory of so long, and in the free run.</p>\n";
     html += Table(head, rows);
   }
   if (!seen.empty()) {

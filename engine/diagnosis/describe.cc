@@ -307,7 +307,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  named              ? ""
                                  : contest.complete ? OutcomeOf(settled, one)
                                                     : "the search ended before it was followed",
-                                 NrmseOf(one, levels, at), SharesOf(one, contest.null(), levels), named});
+                                 NrmseOf(one, levels, at), SharesOf(one, contest.null(), levels)});
   }
   if (result.effects.empty()) return {};
   const Result<std::string> file = WriteExtended(problem, hypothesis, result, task.options);

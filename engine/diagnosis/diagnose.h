@@ -22,7 +22,7 @@ namespace dynoproof::diagnosis {
 struct FoundParameter {
   std::string name, unit;
   double value = 0.0, lower = 0.0, upper = 0.0;  // 95 % interval
-  /// What the fit at each level says. A cause has the same number at all of them, where what only follows the error does not.
+  /// The value fitted at each level, with the level's name. A cause has the same value at all of them.
   std::vector<std::pair<std::string, double>> by_level = {};
 
   /// One of the three, with two digits of what the interval leaves open.
@@ -58,7 +58,6 @@ struct Considered {
   double validation_nrmse = 0.0;  // RMS over the signals of what it leaves
   /// By level, the share that it removes of what the nominal model leaves beyond noise of the data that were fitted.
   std::vector<std::pair<std::string, double>> shares = {};
-  bool named = false;  // a cause, or one of those that are not told apart
 };
 /// A nominal value that was fitted along.
 struct Refitted {

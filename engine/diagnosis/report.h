@@ -11,8 +11,7 @@ namespace dynoproof::diagnosis {
 nlohmann::json ToJson(const Diagnosis& diagnosis);
 /// NRMSE before and after by signal, and the gain's interval if asked for.
 nlohmann::json ToJson(const std::map<std::string, SignalGain>& gains, bool interval);
-/// What a person wants to know first: the cause in words, where, how large, and what share of the error it explains; where none is named,
-/// why not.
+/// The verdict in words: the cause, its place, its values, and the share of the error that it explains. The reason where no cause is named.
 std::string Sentence(const Diagnosis& diagnosis);
 /// That sentence first, then cause, gain, what was considered and why not.
 std::string ToTable(const Diagnosis& diagnosis);

@@ -1,4 +1,4 @@
-// What a person is told first: the cause in words, where and how large it is, and what share of the error it explains.
+// A verdict begins with the cause in words, its place, its values, and the share of the error that it explains.
 #include "diagnosis/report.h"
 
 #include <gmock/gmock.h>
