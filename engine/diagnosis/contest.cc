@@ -18,21 +18,24 @@ Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels,
   return free.WithDifferencesFree(levels.data().records().size());
 }
 
-Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
-  Contestant null(NullHypothesis(plan, released, levels, registry));
+void FitAlong(Contestant& one, const Levels& levels, Eigen::VectorXd from) {
   // From near by: let go, a model that lacks its effect has no truth to go to, and what it finds first is nearer to the plan as
   // given than what a thorough search would find.
-  const estimation::EstimatorOptions how{.renewals = 6, .points = PointsFor(null.hypothesis), .near = true};
-  Eigen::VectorXd from = null.hypothesis.start();
-  null.levels.resize(levels.size());
-  for (estimation::Estimate& fit : null.levels) fit.broken = "not fitted";
+  const estimation::EstimatorOptions how{.renewals = 6, .points = PointsFor(one.hypothesis), .near = true};
+  one.levels.resize(levels.size());
+  for (estimation::Estimate& fit : one.levels) fit.broken = "not fitted";
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    estimation::Estimate& fit = null.levels[level];
-    fit.broken = SteppedOver(null, levels, level);
+    estimation::Estimate& fit = one.levels[level];
+    fit.broken = SteppedOver(one, levels, level);
     if (!fit.ok()) continue;
-    fit = estimation::Fit(null.hypothesis, levels[level], from, how);
+    fit = estimation::Fit(one.hypothesis, levels[level], from, how);
     if (fit.ok()) from = fit.q;
   }
+}
+
+Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
+  Contestant null(NullHypothesis(plan, released, levels, registry));
+  FitAlong(null, levels, null.hypothesis.start());
   return null;
 }
 

@@ -38,6 +38,9 @@ struct Contest {
 /// The plan without further effects, its nominal values and the starts of records that it holds free.
 estimation::Hypothesis NullHypothesis(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
 
+/// Fits a model at all levels, one after the other, each from where the last one that holds has come to.
+void FitAlong(Contestant& one, const Levels& levels, Eigen::VectorXd from);
+
 /// The same, fitted at every level.
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry);
 

@@ -49,7 +49,8 @@ std::optional<Result<Diagnosis>> WithHeldInputs(const Question& asked, const Pip
   const bool guessed = Hold(asked.plan, data), holdout_guessed = Hold(asked.plan, holdout);
   if (answer.settled.verdict == Conclusion::kNoEffect || IsExactCause(answer) || !(guessed || holdout_guessed))
     return {};
-  Before next{asked.before.begun_at, first.simulations(), asked.before.notes};
+  Before next = asked.before;
+  next.simulations = first.simulations();
   next.notes.push_back(
       "with inputs that are held between their samples this leaves nothing but noise: they count as held");
   const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
@@ -68,7 +69,8 @@ std::optional<Result<Diagnosis>> FromTheOwnStart(const Question& asked, const Pi
     for (MappedRecord& record : *some) in_motion = std::exchange(record.in_motion, false) || in_motion;
   }
   if (!IsExactCause(answer) || !in_motion) return {};
-  Before next{asked.before.begun_at, first.simulations(), asked.before.notes};
+  Before next = asked.before;
+  next.simulations = first.simulations();
   next.notes.push_back(
       "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
   const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
@@ -90,8 +92,23 @@ Result<Diagnosis> DiagnoseFrom(const Question& asked) {
     TakeOff(hum, cleaned);
     TakeOff((*pipeline)->HumIn(holdout), others);
     for (auto* some : {&cleaned, &others}) LookForMotion(plan, registry, *some);
-    Before next{before.begun_at, (*pipeline)->simulations(), before.notes, before.took_hum_off + 1};
+    Before next = before;
+    next.simulations = (*pipeline)->simulations();
+    next.took_hum_off += 1;
     next.notes.push_back("hum that no model here makes is taken off the records: " + ToText(hum));
+    return DiagnoseFrom({plan, registry, options, cleaned, others, next});
+  }
+  if (const std::optional<Drifts>& drifts = (*pipeline)->drifts()) {
+    std::vector<MappedRecord> cleaned = data, others = holdout;
+    TakeOff(drifts->of_sensors, cleaned);
+    TakeOff((*pipeline)->DriftsInHoldout(), others);
+    Before next = before;
+    next.simulations = (*pipeline)->simulations();
+    next.took_drifts_off += 1;
+    next.journal = (*pipeline)->journal();
+    next.notes.push_back(
+        "sensors that drift, beside every model here, are taken off the records, by the end of the data " +
+        ToText(drifts->of_sensors));
     return DiagnoseFrom({plan, registry, options, cleaned, others, next});
   }
   for (const auto& otherwise : {WithHeldInputs, FromTheOwnStart}) {

@@ -68,9 +68,18 @@ Result<Answer> Pipeline::Decide() {
   if (!hum_.empty()) return Answer{Contest(), Settled()};
   Result<Answer> answer = Ask(std::move(nominal), false, Contest::Pass(false));
   if (!answer.ok()) return answer.failure();
+  std::optional<Drifts> drifts;
+  if (!answer->settled.exact) drifts = DriftsBesides(answer->contest);
+  if (drifts && drifts->Plainly()) {
+    drifts_ = drifts;
+    return answer;
+  }
   const Answer first = WithFurtherCauses(*answer);
   if (first.settled.exact) {
     answer = first;
+  } else if (drifts && drifts->exact) {
+    drifts_ = drifts;
+    return answer;
   } else if (!Spent()) {
     // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
     Contestant null = NullOf(begun_, true, levels_, registry);
@@ -94,7 +103,9 @@ Result<Answer> Pipeline::Decide() {
   }
   if (std::optional<Answer> otherwise = BegunOtherwise(*answer)) answer = *std::move(otherwise);
   const Contestant* best = LeaderAt(answer->contest.contestants, levels_, levels_.free_run());
-  if (!answer->settled.exact && best != nullptr && !Spent()) hum_ = HumBesides(*best);
+  if (answer->settled.exact || best == nullptr || Spent()) return answer;
+  hum_ = HumBesides(*best);
+  if (hum_.empty()) drifts_ = answer->contest.released ? DriftsBesides(answer->contest) : drifts;
   return answer;
 }
 
@@ -113,6 +124,11 @@ Result<Answer> Pipeline::DecideAsPlainlyAs(const Answer& other) {
 std::vector<Hum> Pipeline::HumIn(const std::vector<MappedRecord>& others) const {
   if (others.empty() || !left_by_) return {};
   return FindHum({problem_.plan(), others, problem_.registry()}, *left_by_);
+}
+
+std::vector<Drift> Pipeline::DriftsInHoldout() const {
+  if (holdout_.empty()) return {};
+  return DriftsBeside(drifts_->model.At(drifts_->q), *parts_.held_out, parts_.held_out->free_run());
 }
 
 Result<Diagnosis> Pipeline::Report(Answer answer) {
@@ -168,6 +184,7 @@ Pipeline::Pipeline(std::unique_ptr<EstimationProblem> problem, Plan begun, Parts
       given_(LeftOf(holdout.empty() ? begun_ : problem_.plan(), *parts_.held_out)),
       before_(before) {
   result_.notes = before.notes;
+  result_.journal = before.journal;
   result_.own_holdout = !holdout.empty();
   if (holdout.empty()) result_.notes.push_back("the last 30 % of the data are the hold-out");
 }
@@ -184,6 +201,23 @@ std::vector<Hum> Pipeline::HumBesides(const Contestant& one) {
     return {};
   left_by_ = one.hypothesis.At(one.levels[free].q);
   return FindHum(problem_, *left_by_);
+}
+
+std::optional<Drifts> Pipeline::DriftsBesides(const Contest& contest) {
+  if (before_.took_drifts_off >= kMostDrifts || Spent()) return {};
+  std::optional<Drifts> drifts =
+      FindDrifts(begun_, contest.contestants, levels_, levels_.free_run(), problem_.registry());
+  if (!drifts) return {};
+  before_.simulations += static_cast<double>(drifts->simulations);
+  JournalEntry entry{
+      "drifts of sensors",
+      {drifts->beside, "the best model"},
+      "left with all sensors drifting over what the best leaves, " + contest.pass(),
+      {{"leaves", drifts->leaves}},
+      fmt::format("{}{}", drifts->Found() ? "found" : "none", drifts->exact ? ", nothing but noise is left" : "")};
+  for (const Drift& one : drifts->of_sensors) entry.numbers.emplace_back(one.signal + ", over its noise", one.of_noise);
+  result_.journal.push_back(std::move(entry));
+  return drifts->Found() ? drifts : std::nullopt;
 }
 
 Settled Pipeline::SettledOn(const Contest& contest, bool first) {

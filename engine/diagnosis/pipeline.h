@@ -11,21 +11,24 @@
 
 #include "diagnosis/answer.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/drift.h"
 #include "diagnosis/hum.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/saved_points.h"
 
 namespace dynoproof::diagnosis {
 
-/// Searches of which each ends with hum that it has found.
-inline constexpr int kMostHum = 3;
+/// Searches of which each ends with hum that it has found, and with drifts.
+inline constexpr int kMostHum = 3, kMostDrifts = 1;
 
 /// What came before a diagnosis of the same records.
 struct Before {
   std::clock_t begun_at = std::clock();
   double simulations = 0.0;
   std::vector<std::string> notes = {};
+  Journal journal = {};
   int took_hum_off = 0;  // times: what one tone has hidden may be another one
+  int took_drifts_off = 0;
 };
 
 class Pipeline {
@@ -47,6 +50,13 @@ class Pipeline {
   /// The hum in other records of the machine, beside the model with which it was found here.
   std::vector<Hum> HumIn(const std::vector<MappedRecord>& others) const;
 
+  /// Sensors that drift beside the best model, where that leaves more than noise and the budget lasts for another search.
+  const std::optional<Drifts>& drifts() const { return drifts_; }
+  /// How it came to what it has found, so far.
+  const Journal& journal() const { return result_.journal; }
+  /// The drifts in the hold-out, where that is records of its own: beside the model that was best here.
+  std::vector<Drift> DriftsInHoldout() const;
+
   /// Everything that is told of an answer; once.
   Result<Diagnosis> Report(Answer answer);
 
@@ -62,6 +72,9 @@ class Pipeline {
 
   /// The hum in what a model leaves in the free run; motion through a gap has no free run worth looking at.
   std::vector<Hum> HumBesides(const Contestant& one);
+
+  /// Sensors that drift, where they take most of what the best model of a contest leaves; entered in the journal.
+  std::optional<Drifts> DriftsBesides(const Contest& contest);
 
   /// The verdict of a contest; of one for a first cause, beside the others for it: what is near the best is so over all of them.
   Settled SettledOn(const Contest& contest, bool first);
@@ -113,6 +126,7 @@ class Pipeline {
       passes_;  // by contest for a first cause, of which one alone is near the best or far from it
   std::optional<Contestant> released_;
   std::vector<Hum> hum_;
+  std::optional<Drifts> drifts_;
   std::optional<Plan> left_by_;  // the model beside which hum was looked for
   Before before_;
   int asked_ = 0;

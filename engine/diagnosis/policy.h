@@ -91,6 +91,10 @@ inline constexpr double kHumAbove = 5.0, kBesideHum_hz = 5.0, kHumLeaves = 1.0 /
 /// Its two halves differ by at most this share of it, as the ringing of a mode does not; and the largest share of an output's spread:
 /// what is larger is the machine. In an inexact world a mode at 1560 Hz was two thirds of a torque.
 inline constexpr double kHumUnsteady = 0.3, kMostHumShare = 0.2;
+/// Drifts of several sensors are taken off the records where beside them some model leaves at most this share of what the best one leaves
+/// without, and at least two of them are so large [RMS over the output's noise]; at once, before pairs of causes are tried, where it is this
+/// share: what else would move all outputs slowly and nothing else? Three worlds of which sensors warmed up left 0.05, 0.12 and 0.35.
+inline constexpr double kDriftsLeave = 0.5, kDriftShows = 0.5, kDriftsAlone = 0.1;
 /// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
 

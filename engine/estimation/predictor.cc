@@ -345,36 +345,43 @@ VectorXd Predictor::NoiseAlone(const Plan& plan, const BuiltRun& whole) const {
   return own.ok() ? NoiseBy(*own) : NoiseOfNominal();
 }
 
+Result<VectorXd> Predictor::CorrectedByOthers(const Plan& plan,
+                                              const std::function<void(MappedRecord&, std::size_t)>& change) const {
+  VectorXd innovations = VectorXd::Zero(data_->measured().size());
+  for (std::size_t r = 0; r < data_->records().size(); ++r) {
+    const Result<BuiltRun> run = Build(plan, r);
+    if (!run.ok()) return run.failure();
+    MappedRecord record = data_->records()[r];
+    change(record, r);
+    ++simulations_;
+    if (Status failed = RunBeside(*run, record, r, innovations)) return *failed;
+  }
+  if (!innovations.allFinite()) return Failure{"a prediction is not finite", plan.id};
+  return innovations;
+}
+
 void Predictor::LearnNoise(const Plan& nominal) {
   constexpr std::uint64_t kSeed = 1;
-  if (free_run() || !(leads_.empty())) return;
-  const auto run_beside = [&](bool louder) -> Result<VectorXd> {
-    VectorXd innovations = VectorXd::Zero(data_->measured().size());
-    for (std::size_t r = 0; r < data_->records().size(); ++r) {
-      MappedRecord record = data_->records()[r];
-      const Result<BuiltRun> run = Build(nominal, r);
-      if (!run.ok()) return run.failure();
-      if (model_->Reduced(*run, *run).ok()) return Failure{"it is linear"};
-      std::uint64_t stream = r * model_->outputs.size();
-      for (auto& [name, series] : record.outputs) {
-        const auto channel = std::ranges::find(data_->channels(), name, &Channel::name);
-        std::vector<double> values = *series.values;
-        for (std::size_t i = 0; louder && channel != data_->channels().end() && i < values.size(); ++i)
-          values[i] += channel->white * RandomNormal(kSeed, stream, i);
-        series.values = std::make_shared<const std::vector<double>>(std::move(values));
-        ++stream;
-      }
-      ++simulations_;
-      if (Status failed = RunBeside(*run, record, r, innovations)) return *failed;
+  if (free_run() || !leads_.empty()) return;
+  const Result<BuiltRun> built = Build(nominal, 0);
+  if (!built.ok() || model_->Reduced(*built, *built).ok()) return;  // broken, or linear
+  const auto louder = [&](MappedRecord& record, std::size_t r) {
+    std::uint64_t stream = r * model_->outputs.size();
+    for (auto& [name, series] : record.outputs) {
+      const auto channel = std::ranges::find(data_->channels(), name, &Channel::name);
+      std::vector<double> values = *series.values;
+      for (std::size_t i = 0; channel != data_->channels().end() && i < values.size(); ++i)
+        values[i] += channel->white * RandomNormal(kSeed, stream, i);
+      series.values = std::make_shared<const std::vector<double>>(std::move(values));
+      ++stream;
     }
-    return innovations;
   };
-  const Result<VectorXd> as_is = run_beside(false), louder = run_beside(true);
-  if (!as_is.ok() || !louder.ok() || !as_is->allFinite() || !louder->allFinite()) return;
+  const Result<VectorXd> as_is = Innovations(nominal), with_noise = CorrectedByOthers(nominal, louder);
+  if (!as_is.ok() || !with_noise.ok()) return;
   VectorXd learned(std::ssize(data_->channels()));
   for (Index c = 0; c < learned.size(); ++c) {
     const Channel& channel = data_->channels()[static_cast<std::size_t>(c)];
-    const auto moved = (*louder - *as_is).segment(channel.begin, channel.count);
+    const auto moved = (*with_noise - *as_is).segment(channel.begin, channel.count);
     learned[c] = std::hypot(channel.noise,
                             std::sqrt(moved.squaredNorm() / static_cast<double>(std::max<Index>(1, channel.count))));
   }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -45,6 +46,9 @@ class Predictor {
   /// The same with the RMS that noise alone causes. A model that is not linear, or has states that the nominal model lacks, gets the
   /// nominal model's.
   Result<Prediction> Predict(const Plan& plan) const;
+  /// Innovations of the data where the samples that correct the run are others: what `change` makes of each record.
+  Result<Eigen::VectorXd> CorrectedByOthers(const Plan& plan,
+                                            const std::function<void(MappedRecord&, std::size_t)>& change) const;
   /// Where the nominal plan is not linear, what noise alone causes is henceforth what its run tells: how far it moves when the record that
   /// corrects it gets as much white noise again. Noise that comes before an impact moves the impact, which no linear model
   /// knows. Not thread-safe.

@@ -76,6 +76,16 @@ inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<s
   return record;
 }
 
+/// Lets the sensor of an output warm up, within a fifth of the record, by so many times the output's spread.
+inline void WarmUp(MappedRecord& record, const std::string& output, double size) {
+  Series& series = record.outputs.at(output);
+  std::vector<double> values = *series.values;
+  const double height = size * score::StandardDeviation(values);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] -= height * std::expm1(-(*series.time)[i] / (0.2 * record.end_s));
+  series.values = std::make_shared<const std::vector<double>>(std::move(values));
+}
+
 /// Adds a tone to an output, with an amplitude of so many times its spread.
 inline void AddTone(MappedRecord& record, const std::string& output, double frequency_hz, double size) {
   Series& series = record.outputs.at(output);

@@ -25,6 +25,27 @@ TEST(Predictor, WithoutCorrectionIsTheFreeRun) {
   EXPECT_EQ(rows->cwiseAbs().maxCoeff(), 0.0);
 }
 
+/// By a free run nothing is corrected; a corrected one follows samples that are off, and is off by that beside the record's own.
+TEST(Predictor, IsCorrectedByOtherSamples) {
+  const Plan plan = FourMasses(0.2);
+  const DataSet data({RecordOf(plan, 0.0, {"T_shaft", "omega_1"})}, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  const Predictor free(data, *model, testing::BuiltIns(), std::nullopt, nullptr),
+      corrected(data, *model, testing::BuiltIns(), 0.01, nullptr);
+  const auto faster = [](MappedRecord& record, std::size_t) {
+    Series& speed = record.outputs.at("omega_1");
+    std::vector<double> values = *speed.values;
+    for (double& value : values) value += 0.5;
+    speed.values = std::make_shared<const std::vector<double>>(std::move(values));
+  };
+  EXPECT_EQ(free.CorrectedByOthers(plan, faster)->cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ(*corrected.CorrectedByOthers(plan, [](MappedRecord&, std::size_t) {}), *corrected.Innovations(plan));
+  const Channel& speed = *std::ranges::find(data.channels(), "omega_1", &Channel::name);
+  const Eigen::VectorXd rows = *corrected.CorrectedByOthers(plan, faster);
+  EXPECT_NEAR(rows.segment(speed.begin, speed.count).tail(speed.count / 2).mean(), -0.5, 0.05);
+}
+
 TEST(Predictor, ALedRunHasForgottenWhereItStarted) {
   const Plan plan = FourMasses(0.3);
   Plan moving = plan;
