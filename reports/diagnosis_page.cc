@@ -158,7 +158,8 @@ std::string Considerations(const Diagnosis& d) {
   head.push_back({"why not"});
   std::string rows;
   for (const diagnosis::Considered& one : d.considered) {
-    std::vector<Cell> row = {{Escape(one.name), "key"}, {Escape(one.at)}};
+    const std::string name = one.on_top_of.empty() ? one.name : one.on_top_of + " + " + one.name;
+    std::vector<Cell> row = {{Escape(name), "key"}, {Escape(one.at)}};
     for (const std::string& level : levels) row.push_back(ShareAt(one, level));
     row.push_back({FourDigits(one.validation_nrmse), "number"});
     row.push_back({one.why_not.empty() ? "<b>named</b>" : Escape(one.why_not), "wide"});
@@ -229,7 +230,7 @@ std::string DiagnosisPage(const std::string& scenario, const std::vector<std::st
   body += fmt::format("<p class=\"source\">scenario {}, records {}; {:.0f} simulations</p>\n", Escape(scenario),
                       Escape(files), d.simulations);
   for (const std::string& note : d.notes) body += fmt::format("<p class=\"note\">{}</p>\n", Escape(note));
-  if (d.verdict == diagnosis::Conclusion::kEffectFound) body += fmt::format("<p>{}.</p>\n", Escape(d.reason));
+  if (diagnosis::TellsMoreThanItsSentence(d)) body += fmt::format("<p>{}.</p>\n", Escape(d.reason));
   body += Causes(d) + OverLevels(d);
   for (const auto& set : d.ambiguous_with) {
     std::string names;

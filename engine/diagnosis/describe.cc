@@ -214,6 +214,13 @@ void TestResidual(const EstimationProblem& problem, const Eigen::VectorXd& predi
   }
 }
 
+/// The effects of a model but for the last one: "a@x + b@y".
+std::string BesideItsLast(const Contestant& one) {
+  const std::string name = one.Name();
+  const std::size_t last = name.rfind(" + ");
+  return last == std::string::npos ? "" : name.substr(0, last);
+}
+
 /// What a main cause leaves, by signal, on the rows that took no part.
 void Leave(const Judged& judged, const Diagnosis& result, std::map<std::string, Left>& left) {
   if (!judged.with_cause.ok()) return;
@@ -246,6 +253,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     for (const std::size_t i : settled.causes) {
       const Contestant& one = contest.contestants[i];
       names.push_back(one.Name());
+      if (i != chosen && one.Holds(settled.level)) result.instead.push_back(FoundOf(one, levels, settled));
       instances.push_back(AsReported(problem, one, one.levels[level].q, task.begun).effects.back());
     }
     names.insert(names.end(), alike.begin(), alike.end());
@@ -303,11 +311,14 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     const Contestant& one = contest.contestants[i];
     const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();
     const std::size_t at = one.Holds(level) ? level : contest.first;
-    result.considered.push_back({one.effect().info().name, one.place().ToString(),
-                                 named              ? ""
-                                 : contest.complete ? OutcomeOf(settled, one)
-                                                    : "the search ended before it was followed",
-                                 NrmseOf(one, levels, at), SharesOf(one, contest.null(), levels)});
+    result.considered.push_back({.name = one.effect().info().name,
+                                 .at = one.place().ToString(),
+                                 .why_not = named              ? ""
+                                            : contest.complete ? OutcomeOf(settled, one)
+                                                               : "the search ended before it was followed",
+                                 .on_top_of = BesideItsLast(one),
+                                 .validation_nrmse = NrmseOf(one, levels, at),
+                                 .shares = SharesOf(one, contest.null(), levels)});
   }
   if (result.effects.empty()) return {};
   const Result<std::string> file = WriteExtended(problem, hypothesis, result, task.options);

@@ -55,6 +55,7 @@ struct Left {
 /// A candidate that was followed.
 struct Considered {
   std::string name, at, why_not;  // why_not: empty of a cause
+  std::string on_top_of = {};     // "backlash@shaft:k3": the effects that its model has beside
   double validation_nrmse = 0.0;  // RMS over the signals of what it leaves
   /// By level, the share that it removes of what the nominal model leaves beyond noise of the data that were fitted.
   std::vector<std::pair<std::string, double>> shares = {};
@@ -70,6 +71,7 @@ struct Diagnosis {
   Conclusion verdict = Conclusion::kUnexplained;
   std::vector<FoundEffect> effects;
   std::vector<std::vector<std::string>> ambiguous_with;  // each a set of candidates that look alike
+  std::vector<std::vector<FoundEffect>> instead;  // of such a set, the effects of every other cause than `effects`
   std::string experiment_text, experiment_scenario, extended_scenario;
   WhereWrong where;
   double noise_floor = 0.0;  // NRMSE that noise alone would leave; RMS over the signals

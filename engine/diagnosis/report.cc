@@ -31,6 +31,19 @@ json OrNull(const std::optional<T>& value) {
   return value ? json(*value) : json();
 }
 
+/// "dry friction, at inertia:carriage with T_c 20.6 N m; and ...".
+std::string InWords(const std::vector<FoundEffect>& effects) {
+  std::string text;
+  for (const FoundEffect& effect : effects) {
+    text += fmt::format("{}{}, at {}", text.empty() ? "" : "; and ", effect.description, effect.at);
+    for (const FoundParameter& p : effect.parameters) {
+      text += fmt::format("{} {} {}{}", &p == &effect.parameters.front() ? " with" : ",", p.name, p.Text(p.value),
+                          p.unit == "1" ? "" : " " + p.unit);
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string FoundParameter::Text(double number) const {
@@ -115,8 +128,11 @@ json ToJson(const Diagnosis& d) {
     out["would_have_seen"].push_back(
         {{"name", seen.name}, {"at", seen.at}, {"smallest", seen.smallest}, {"unit", seen.unit}});
   for (const Considered& one : d.considered)
-    out["considered"].push_back(
-        {{"name", one.name}, {"at", one.at}, {"validation_nrmse", one.validation_nrmse}, {"why_not", one.why_not}});
+    out["considered"].push_back({{"name", one.name},
+                                 {"at", one.at},
+                                 {"on_top_of", one.on_top_of},
+                                 {"validation_nrmse", one.validation_nrmse},
+                                 {"why_not", one.why_not}});
   for (const Refitted& one : d.refitted)
     out["refitted"].push_back({{"key", one.path},
                                {"nominal", one.nominal},
@@ -127,15 +143,13 @@ json ToJson(const Diagnosis& d) {
 }
 
 std::string Sentence(const Diagnosis& d) {
-  const bool named = d.verdict == Conclusion::kEffectFound || d.verdict == Conclusion::kMainCause;
-  if (!named || d.effects.empty()) return d.reason;
-  std::string text;
-  for (const FoundEffect& effect : d.effects) {
-    text += fmt::format("{}{}, at {}", text.empty() ? "" : "; and ", effect.description, effect.at);
-    for (const FoundParameter& p : effect.parameters) {
-      text += fmt::format("{} {} {}{}", &p == &effect.parameters.front() ? " with" : ",", p.name, p.Text(p.value),
-                          p.unit == "1" ? "" : " " + p.unit);
-    }
+  if (d.effects.empty()) return d.reason;
+  if (d.verdict == Conclusion::kUnexplained) return "no cause is named. Nearest comes: " + InWords(d.effects);
+  if (d.verdict == Conclusion::kNoEffect) return d.reason;
+  std::string text = InWords(d.effects);
+  if (d.verdict == Conclusion::kAmbiguous) {
+    for (const std::vector<FoundEffect>& other : d.instead) text += "; or: " + InWords(other);
+    return "one of these, which the data do not tell apart: " + text;
   }
   if (d.explained) {
     text += fmt::format(". {} {:.3g} % of what the model gets wrong on data that took no part; what is left is ",
@@ -151,10 +165,13 @@ std::string Sentence(const Diagnosis& d) {
   return text;
 }
 
+bool TellsMoreThanItsSentence(const Diagnosis& d) {
+  return d.verdict != Conclusion::kMainCause && d.verdict != Conclusion::kNoEffect && !d.effects.empty();
+}
+
 std::string ToTable(const Diagnosis& d) {
   std::string text = fmt::format("{}: {}\n", ToString(d.verdict), Sentence(d));
-  // A main cause is told with its reason, a share; one that leaves nothing but noise has another: that nothing else does.
-  if (d.verdict == Conclusion::kEffectFound && !d.effects.empty()) text += fmt::format("  {}\n", d.reason);
+  if (TellsMoreThanItsSentence(d)) text += fmt::format("  {}\n", d.reason);
   for (const FoundEffect& effect : d.effects) {
     text += fmt::format("\n  {} at {}: {}{}\n", effect.name, effect.at, effect.law,
                         effect.confidence ? fmt::format("  (confidence {:.3f})", *effect.confidence) : "");
@@ -192,7 +209,8 @@ std::string ToTable(const Diagnosis& d) {
     text += fmt::format("    {} = {:.6g} (nominal {:.6g})\n", one.path, one.value, one.nominal);
   if (!d.considered.empty()) text += "\n  considered\n";
   for (const Considered& one : d.considered)
-    text += fmt::format("    {:<21} {:<21} validation {:.4g}  {}\n", one.name, one.at, one.validation_nrmse,
+    text += fmt::format("    {:<21} {:<21} validation {:.4g}  {}{}\n", one.name, one.at, one.validation_nrmse,
+                        one.on_top_of.empty() ? "" : "on top of " + one.on_top_of + ": ",
                         one.why_not.empty() ? "the best" : one.why_not);
   if (!d.would_have_seen.empty()) text += "\n  smallest strength that would have been seen\n";
   for (const Seen& seen : d.would_have_seen)

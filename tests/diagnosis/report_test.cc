@@ -60,11 +60,26 @@ TEST(Sentence, OfSeveralCausesNamesEach) {
 }
 
 TEST(Sentence, NamesNothingWhereTheVerdictDoesNot) {
-  for (const Conclusion verdict : {Conclusion::kUnexplained, Conclusion::kAmbiguous, Conclusion::kNoEffect}) {
-    Diagnosis d = Friction();
-    d.verdict = verdict;
-    EXPECT_EQ(Sentence(d), d.reason);
-  }
+  Diagnosis d = Friction();
+  d.verdict = Conclusion::kUnexplained;
+  EXPECT_EQ(Sentence(d), "no cause is named. Nearest comes: dry friction, at inertia:carriage with T_c 20.6 N m");
+  d.effects.clear();
+  EXPECT_EQ(Sentence(d), d.reason);
+  d.verdict = Conclusion::kNoEffect;
+  EXPECT_EQ(Sentence(d), d.reason);
+}
+
+TEST(Sentence, NamesEachOfThoseThatTheDataDoNotTellApart) {
+  Diagnosis d = Friction();
+  d.verdict = Conclusion::kAmbiguous;
+  FoundEffect load;
+  load.at = "inertia:motor";
+  load.description = "a load that the model does not have";
+  d.instead = {{load}};
+  EXPECT_EQ(
+      Sentence(d),
+      "one of these, which the data do not tell apart: dry friction, at inertia:carriage with T_c 20.6 N m; or: a "
+      "load that the model does not have, at inertia:motor");
 }
 
 TEST(ToTable, BeginsWithVerdictAndSentenceAndSaysWhyNoOtherModelDoes) {
@@ -75,7 +90,18 @@ TEST(ToTable, BeginsWithVerdictAndSentenceAndSaysWhyNoOtherModelDoes) {
   found.reason = "it leaves nothing but noise, and no other model adds to it";
   EXPECT_THAT(ToTable(found), HasSubstr("is noise\n  it leaves nothing but noise, and no other model adds to it\n"));
   found.verdict = Conclusion::kUnexplained;
-  EXPECT_THAT(ToTable(found), StartsWith("unexplained: it leaves nothing but noise"));
+  EXPECT_THAT(ToTable(found), StartsWith("unexplained: no cause is named. Nearest comes: dry friction"));
+  EXPECT_THAT(ToTable(found), HasSubstr("\n  it leaves nothing but noise, and no other model adds to it\n"));
+}
+
+TEST(ToTable, SaysOnTopOfWhatAModelStood) {
+  Diagnosis d = Friction();
+  d.considered = {{.name = "torque_ripple",
+                   .at = "inertia:motor",
+                   .why_not = "too small a share",
+                   .on_top_of = "backlash@shaft:k"}};
+  EXPECT_THAT(ToTable(d), HasSubstr("on top of backlash@shaft:k: too small a share\n"));
+  EXPECT_EQ(ToJson(d)["considered"][0]["on_top_of"], "backlash@shaft:k");
 }
 
 }  // namespace
