@@ -74,7 +74,8 @@ std::string Causes(const Diagnosis& d) {
                                 {Unit(parameter.unit)}});
     }
   }
-  return "<h2>Cause</h2>\n" +
+  const bool none = d.verdict == diagnosis::Conclusion::kUnexplained;
+  return fmt::format("<h2>{}</h2>\n", none ? "What comes nearest" : "Cause") +
          Table(std::vector<Cell>{{"effect"},
                                  {"at"},
                                  {"confidence", "number"},

@@ -321,6 +321,12 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  .shares = SharesOf(one, contest.null(), levels)});
   }
   if (result.effects.empty()) return {};
+  if (IsWorseThanGiven(result.explained, settled.exact)) {
+    result.notes.push_back(
+        "with this the model is worse on data that took no part than as given: no extended scenario is written");
+    RemoveExtended(task.options);
+    return {};
+  }
   const Result<std::string> file = WriteExtended(problem, hypothesis, result, task.options);
   if (!file.ok()) return file.failure();
   result.extended_scenario = *file;

@@ -16,6 +16,8 @@
 namespace dynoproof::diagnosis {
 namespace {
 
+constexpr const char* kExtended = "extended.toml";
+
 namespace fs = std::filesystem;
 
 std::string Number(double value) { return InlineToml(value); }
@@ -156,7 +158,16 @@ Result<std::string> WriteExtended(const EstimationProblem& problem, const identi
                           found.Text(found.lower), found.Text(found.upper));
     }
   }
-  return Write(options, "extended.toml", text + OwnChecks(problem, diagnosis));
+  return Write(options, kExtended, text + OwnChecks(problem, diagnosis));
+}
+
+bool IsWorseThanGiven(const std::optional<Share>& explained, bool exact) {
+  return !exact && explained && !(explained->value >= 0.0);
+}
+
+void RemoveExtended(const DiagnoseOptions& options) {
+  std::error_code none_there;
+  std::filesystem::remove(std::filesystem::path(options.out) / kExtended, none_there);
 }
 
 std::string SeparatingText(const EstimationProblem& problem, const std::vector<EffectInstance>& alike) {

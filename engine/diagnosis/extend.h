@@ -1,6 +1,7 @@
 // Scenario files that a diagnosis writes: the extended model, and the experiment that tells candidates apart.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,12 @@ namespace dynoproof::diagnosis {
 /// [[effect]] each.
 Result<std::string> WriteExtended(const EstimationProblem& problem, const identification::Hypothesis& hypothesis,
                                   const Diagnosis& diagnosis, const DiagnoseOptions& options);
+
+/// Whether an extension is not to be offered: it takes less than nothing off what the model as given leaves on data that took no part.
+/// Beside noise alone (`exact`) that is chance.
+bool IsWorseThanGiven(const std::optional<Share>& explained, bool exact);
+/// `out`/extended.toml of an earlier diagnosis says nothing of this one.
+void RemoveExtended(const DiagnoseOptions& options);
 
 /// What would separate these candidates, in words; and `out`/separate.toml with that excitation.
 std::string SeparatingText(const EstimationProblem& problem, const std::vector<EffectInstance>& alike);
