@@ -276,6 +276,14 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     result.holdout = GainsOf(judged.problem, *judged.given, *judged.with_cause, judged.from);
     result.explained = ExplainedShare(judged.problem, *judged.given, *judged.with_cause, judged.from);
   }
+  // Shares are those of runs that the record corrects, too: what is right there and wrong in the free run is no main cause.
+  if (result.verdict == Conclusion::kMainCause && IsWorseThanGiven(result.explained, settled.exact)) {
+    result.verdict = Conclusion::kUnexplained;
+    result.reason = fmt::format(
+        "{} removes most beside a run that the record corrects, but in the free run the model is worse with it",
+        model.Name());
+    for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
+  }
   result.given = NrmseBySignal(judged, judged.given);
   result.released = NrmseBySignal(judged, judged.released);
   result.with_cause = NrmseBySignal(judged, judged.with_cause);

@@ -179,6 +179,7 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
     }
   } else if (standing.size() == 1) {
     settled.verdict = Conclusion::kEffectFound;
+    settled.explains = HeldOutShare(held_out, standing.front(), level).value_or(0.0);
     settled.reason =
         fmt::format("{} leaves nothing but noise, and no other model adds to it", Listed(contest, standing));
   } else if (standing.size() <= policy::kMostAlike) {
@@ -379,7 +380,9 @@ Settled AtTheEnd(Settled settled, const Contest& contest) {
   const std::size_t first = settled.causes.front();
   const std::string name = contest.contestants[first].Name();
   const auto pushed = [&](std::size_t i) { return EndsOnPriors(contest.contestants[i], settled.level); };
-  if (settled.exact && std::ranges::all_of(settled.causes, pushed)) {
+  if (settled.exact && settled.causes.size() == 1 && pushed(first) && settled.explains >= policy::kNearlyAll) {
+    settled.reason += ", though with a nominal value at the end of its prior";
+  } else if (settled.exact && std::ranges::all_of(settled.causes, pushed)) {
     settled.causes.clear();
     settled.best = first;
     settled.verdict = Conclusion::kUnexplained;
