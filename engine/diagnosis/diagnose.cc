@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnosis/pipeline.h"
+#include "diagnosis/taken_off.h"
 #include "identification/between_samples.h"
 #include "identification/start.h"
 

@@ -13,6 +13,7 @@
 #include "diagnosis/contest.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/policy.h"
+#include "diagnosis/taken_off.h"
 #include "linear/dense.h"
 
 namespace dynoproof::diagnosis {
@@ -232,15 +233,6 @@ std::vector<Drift> DriftsBeside(const Plan& plan, const Levels& levels, std::siz
   const MatrixXd curvature = columns->transpose() * *columns;
   return Named(dense::LeastSquares(curvature, columns->transpose() * *left), dense::PseudoInverse(curvature),
                levels.data());
-}
-
-void TakeOff(const std::vector<Drift>& drifts, std::vector<MappedRecord>& records) {
-  for (const Drift& one : drifts) {
-    Series& series = records[one.record].outputs.at(one.signal);
-    std::vector<double> values = *series.values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] -= one.At((*series.time)[i]);
-    series.values = std::make_shared<const std::vector<double>>(std::move(values));
-  }
 }
 
 std::string ToText(const std::vector<Drift>& drifts) {

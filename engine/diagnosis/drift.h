@@ -52,9 +52,6 @@ std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> c
 /// The drifts of other records beside a plan.
 std::vector<Drift> DriftsBeside(const Plan& plan, const Levels& levels, std::size_t level);
 
-/// Takes them off the outputs, over their whole length.
-void TakeOff(const std::vector<Drift>& drifts, std::vector<MappedRecord>& records);
-
 /// "0.31 N m of T_1, -0.02 rad/s of omega_1, ...": what each has come to at the end of the data.
 std::string ToText(const std::vector<Drift>& drifts);
 

@@ -113,15 +113,6 @@ std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const
   return all;
 }
 
-void TakeOff(const std::vector<Hum>& hum, std::vector<MappedRecord>& records) {
-  for (const Hum& one : hum) {
-    Series& series = records[one.record].outputs.at(one.signal);
-    std::vector<double> values = *series.values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] -= one.At((*series.time)[i]);
-    series.values = std::make_shared<const std::vector<double>>(std::move(values));
-  }
-}
-
 std::string ToText(const std::vector<Hum>& hum) {
   std::string text;
   for (const Hum& one : hum)

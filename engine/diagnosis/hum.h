@@ -26,9 +26,6 @@ struct Hum {
 /// multiples are none. A channel whose steps are not equal has none.
 std::vector<Hum> FindHum(const identification::EstimationProblem& problem, const Plan& plan);
 
-/// Takes it off the outputs, over their whole length.
-void TakeOff(const std::vector<Hum>& hum, std::vector<MappedRecord>& records);
-
 /// "a tone of 50.2 Hz, 3 % of T_shaft, ...", for a person.
 std::string ToText(const std::vector<Hum>& hum);
 

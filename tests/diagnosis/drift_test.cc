@@ -8,6 +8,7 @@
 
 #include "diagnosis/contest.h"
 #include "diagnosis/policy.h"
+#include "diagnosis/taken_off.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/random.h"
+#include "diagnosis/taken_off.h"
 #include "score/series.h"
 #include "tests/estimation/made_record.h"
 
