@@ -38,10 +38,7 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   const auto excess = [&](const VectorXd& q) {
     const Result<VectorXd> rows = levels[level].Innovations(hypothesis.At(q));
     if (!rows.ok()) return std::numeric_limits<double>::infinity();
-    VectorXd noise(std::ssize(levels.data().channels()));
-    for (Index c = 0; c < noise.size(); ++c)
-      noise[c] = null.levels[level].scales[static_cast<std::size_t>(c)].noise_alone;
-    return LogExcess(estimation::ScalesOf(levels.data(), *rows, noise), levels.data());
+    return LogExcess(estimation::ScalesOf(levels.data(), *rows, NoiseAloneOf(null.levels[level])), levels.data());
   };
   double of_from = excess(from);
   if (contestant.Holds(level)) {

@@ -31,6 +31,12 @@ double TimesNoise(const Estimate& estimate) {
   return largest;
 }
 
+Eigen::VectorXd NoiseAloneOf(const Estimate& estimate) {
+  Eigen::VectorXd noise(std::ssize(estimate.scales));
+  for (Eigen::Index c = 0; c < noise.size(); ++c) noise[c] = estimate.scales[static_cast<std::size_t>(c)].noise_alone;
+  return noise;
+}
+
 bool IsExact(const std::vector<ChannelScale>& scales) {
   return std::ranges::all_of(
       scales, [](const ChannelScale& scale) { return scale.rms <= policy::kNoiseSize * scale.noise_alone; });

@@ -28,6 +28,8 @@ struct Contestant {
 
 /// RMS over what noise alone causes, in the channel where that is most.
 double TimesNoise(const estimation::Estimate& estimate);
+/// RMS by channel that noise alone causes.
+Eigen::VectorXd NoiseAloneOf(const estimation::Estimate& estimate);
 /// Whether innovations are no larger than measurement noise makes them, by 1.2 in each channel.
 bool IsExact(const std::vector<estimation::ChannelScale>& scales);
 bool IsExact(const estimation::Estimate& estimate);

@@ -246,7 +246,6 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   if (!model.Holds(level)) return {};
   const estimation::Estimate& fit = model.levels[level];
   result.effects = FoundOf(model, levels, settled);
-  for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
   if (result.verdict == Conclusion::kAmbiguous) {
     std::vector<std::string> names;
     std::vector<identification::EffectInstance> instances;
@@ -277,13 +276,14 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     result.explained = ExplainedShare(judged.problem, *judged.given, *judged.with_cause, judged.from);
   }
   // Shares are those of runs that the record corrects, too: what is right there and wrong in the free run is no main cause.
-  if (result.verdict == Conclusion::kMainCause && IsWorseThanGiven(result.explained, settled.exact)) {
+  const bool worse = IsWorseThanGiven(result.explained, settled.exact);
+  if (result.verdict == Conclusion::kMainCause && worse) {
     result.verdict = Conclusion::kUnexplained;
     result.reason = fmt::format(
         "{} removes most beside a run that the record corrects, but in the free run the model is worse with it",
         model.Name());
-    for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
   }
+  for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
   result.given = NrmseBySignal(judged, judged.given);
   result.released = NrmseBySignal(judged, judged.released);
   result.with_cause = NrmseBySignal(judged, judged.with_cause);
@@ -329,7 +329,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  .shares = SharesOf(one, contest.null(), levels)});
   }
   if (result.effects.empty()) return {};
-  if (IsWorseThanGiven(result.explained, settled.exact)) {
+  if (worse) {
     result.notes.push_back(
         "with this the model is worse on data that took no part than as given: no extended scenario is written");
     RemoveExtended(task.options);

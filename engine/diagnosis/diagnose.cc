@@ -43,6 +43,13 @@ struct Question {
   const Before& before;
 };
 
+/// What the search after this one is told: how many simulations went before, and why it is made.
+Before After(const Pipeline& search, Before before, const std::string& why) {
+  before.simulations = search.simulations();
+  before.notes.push_back(why);
+  return before;
+}
+
 /// What inputs do between their samples was guessed beside a model that lacks the cause: a lag in it looks like half a sample. Where a
 /// model leaves nothing but noise with inputs that are held, as a control holds them, that is the answer.
 std::optional<Result<Diagnosis>> WithHeldInputs(const Question& asked, const Pipeline& first, const Answer& answer) {
@@ -50,10 +57,9 @@ std::optional<Result<Diagnosis>> WithHeldInputs(const Question& asked, const Pip
   const bool guessed = Hold(asked.plan, data), holdout_guessed = Hold(asked.plan, holdout);
   if (answer.settled.verdict == Conclusion::kNoEffect || IsExactCause(answer) || !(guessed || holdout_guessed))
     return {};
-  Before next = asked.before;
-  next.simulations = first.simulations();
-  next.notes.push_back(
-      "with inputs that are held between their samples this leaves nothing but noise: they count as held");
+  const Before next =
+      After(first, asked.before,
+            "with inputs that are held between their samples this leaves nothing but noise: they count as held");
   const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
   if (!second.ok()) return {};
   Result<Answer> held = (*second)->Decide();
@@ -70,10 +76,9 @@ std::optional<Result<Diagnosis>> FromTheOwnStart(const Question& asked, const Pi
     for (MappedRecord& record : *some) in_motion = std::exchange(record.in_motion, false) || in_motion;
   }
   if (!IsExactCause(answer) || !in_motion) return {};
-  Before next = asked.before;
-  next.simulations = first.simulations();
-  next.notes.push_back(
-      "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
+  const Before next =
+      After(first, asked.before,
+            "from the scenario's own start this leaves nothing but noise: the records are taken to begin there");
   const auto second = Pipeline::Of(asked.plan, data, holdout, asked.registry, asked.options, next);
   if (!second.ok()) return {};
   Result<Answer> plainer = (*second)->DecideAsPlainlyAs(answer);
@@ -93,23 +98,20 @@ Result<Diagnosis> DiagnoseFrom(const Question& asked) {
     TakeOff(hum, cleaned);
     TakeOff((*pipeline)->HumIn(holdout), others);
     for (auto* some : {&cleaned, &others}) LookForMotion(plan, registry, *some);
-    Before next = before;
-    next.simulations = (*pipeline)->simulations();
+    Before next = After(**pipeline, before, "hum that no model here makes is taken off the records: " + ToText(hum));
     next.took_hum_off += 1;
-    next.notes.push_back("hum that no model here makes is taken off the records: " + ToText(hum));
     return DiagnoseFrom({plan, registry, options, cleaned, others, next});
   }
   if (const std::optional<Drifts>& drifts = (*pipeline)->drifts()) {
     std::vector<MappedRecord> cleaned = data, others = holdout;
     TakeOff(drifts->of_sensors, cleaned);
     TakeOff((*pipeline)->DriftsInHoldout(), others);
-    Before next = before;
-    next.simulations = (*pipeline)->simulations();
+    Before next =
+        After(**pipeline, before,
+              "sensors that drift, beside every model here, are taken off the records, by the end of the data " +
+                  ToText(drifts->of_sensors));
     next.took_drifts_off += 1;
     next.journal = (*pipeline)->journal();
-    next.notes.push_back(
-        "sensors that drift, beside every model here, are taken off the records, by the end of the data " +
-        ToText(drifts->of_sensors));
     return DiagnoseFrom({plan, registry, options, cleaned, others, next});
   }
   for (const auto& otherwise : {WithHeldInputs, FromTheOwnStart}) {

@@ -53,13 +53,12 @@ std::optional<MatrixXd> ColumnsOf(const Plan& plan, const Levels& levels, std::s
   ParallelFor(ran.size(), 0, [&](std::size_t column) {
     const auto k = static_cast<Index>(column) % kTerms;
     const Channel& channel = data.channels()[column / kWarms.size()];
+    Drift off;
+    off.length_s = data.records()[channel.record].end_s;
+    off.heights = Eigen::Vector3d::Zero();
+    off.heights[k] = -channel.noise;
     const auto drifting = [&](MappedRecord& record, std::size_t r) {
-      if (r != channel.record) return;
-      Series& series = record.outputs.at(channel.name);
-      std::vector<double> values = *series.values;
-      for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] += channel.noise * Term(k, (*series.time)[i], record.end_s);
-      series.values = std::make_shared<const std::vector<double>>(std::move(values));
+      if (r == channel.record) TakeOff(off, record.outputs.at(channel.name));
     };
     const Result<VectorXd> moved = levels[level].CorrectedByOthers(plan, drifting);
     ran[column] = moved.ok();
@@ -120,8 +119,7 @@ std::optional<Step> StepOf(const Contestant& one, const Levels& levels, std::siz
     if (one.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) slope[i] += fit.q[i];
   }
   const VectorXd step = -dense::LeastSquares(curvature, slope);
-  VectorXd noise(std::ssize(levels.data().channels()));
-  for (Index c = 0; c < noise.size(); ++c) noise[c] = fit.scales[static_cast<std::size_t>(c)].noise_alone;
+  const VectorXd noise = NoiseAloneOf(fit);
   const MatrixXd own = weighted.transpose() * weighted;
   const MatrixXd covariance = dense::PseudoInverse(curvature).bottomRightCorner(count, count);
   std::optional<Step> best;
@@ -142,12 +140,12 @@ std::optional<Step> StepOf(const Contestant& one, const Levels& levels, std::siz
   return best;
 }
 
-/// Beside one model, step by step, its numbers fitted in between to what the drifts leave. Drifts::leaves: as it is, not as a share.
+/// The drifts beside one model. Steps alternate with fits of the model's numbers to the records without the drifts. `without`: LogLeft() of the
+/// best model without drifts.
 std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& levels, std::size_t level,
-                               const Registry& registry) {
+                               const Registry& registry, double without) {
   constexpr int kRounds = 5;
   constexpr double kWorth = 0.95;  // of what is left
-  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
   std::optional<Drifts> best;
   VectorXd heights = VectorXd::Zero(kTerms * std::ssize(levels.data().channels()));
   std::unique_ptr<Levels> cleaned;
@@ -162,7 +160,7 @@ std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& l
     std::vector<Drift> drifts = Named(heights, step->covariance, levels.data());
     std::vector<MappedRecord> records = levels.data().records();
     TakeOff(drifts, records);
-    Result<std::unique_ptr<Levels>> next = Levels::Of(plan, records, registry, 0.0, kComparedRows, &levels, most_s);
+    Result<std::unique_ptr<Levels>> next = Levels::Of(plan, records, registry, 0.0, kComparedRows, &levels);
     if (!next.ok()) break;
     cleaned = *std::move(next);
     VectorXd from = one.hypothesis.start();
@@ -173,7 +171,7 @@ std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& l
     const Estimate& fit = one.levels[level];
     if (!fit.ok()) break;
     if (at != level) continue;
-    const double left = std::exp(LogLeft(fit, *cleaned));
+    const double left = std::exp(LogLeft(fit, *cleaned) - without);
     const bool settled = best && left > kWorth * best->leaves;
     if (!best || left < best->leaves)
       best = {one.Name(), one.hypothesis, fit.q, left, IsExact(fit), false, std::move(drifts), 0};
@@ -215,9 +213,8 @@ std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> c
   std::int64_t simulations = 0;
   for (const Contestant* one : {&contestants.front(), machine}) {
     if (one == nullptr || !one->Holds(level) || (best && best->exact)) continue;
-    std::optional<Drifts> own = DriftsOf(*one, plan, levels, level, registry);
+    std::optional<Drifts> own = DriftsOf(*one, plan, levels, level, registry, LogLeft(leader->levels[level], levels));
     if (!own) continue;
-    own->leaves = std::exp(std::log(own->leaves) - LogLeft(leader->levels[level], levels));
     own->of_output = is_at_output(*leader);
     simulations += own->simulations;
     if (!best || own->leaves < best->leaves) best = std::move(own);

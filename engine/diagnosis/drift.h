@@ -44,8 +44,8 @@ struct Drifts {
   /// Whether nothing else need be asked first: they take nearly all, or what is best without them is one sensor's fault.
   bool Plainly() const;
 };
-/// Beside the null of a contest, and beside that of its effects on the machine which leaves least: what sits at an output may be a drift
-/// itself. Nothing where neither holds at this level. `plan`: that of the levels.
+/// Drifts are looked for beside the null of a contest and beside its best effect on the machine; an effect at an output may be a drift
+/// itself. Returns nothing where neither model holds at this level. `plan`: that of the levels.
 std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> contestants, const Levels& levels,
                                  std::size_t level, const Registry& registry);
 

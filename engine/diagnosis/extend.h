@@ -16,7 +16,7 @@ Result<std::string> WriteExtended(const EstimationProblem& problem, const identi
                                   const Diagnosis& diagnosis, const DiagnoseOptions& options);
 
 /// Whether an extension is not to be offered: it takes less than nothing off what the model as given leaves on data that took no part.
-/// Beside noise alone (`exact`) that is chance.
+/// A model that leaves nothing but noise (`exact`) is worse by chance only.
 bool IsWorseThanGiven(const std::optional<Share>& explained, bool exact);
 /// `out`/extended.toml of an earlier diagnosis says nothing of this one.
 void RemoveExtended(const DiagnoseOptions& options);

@@ -1,4 +1,4 @@
-// What is taken off records before causes are asked for: hum, drifts.
+// Hum and drifts are taken off the records before causes are asked for.
 #pragma once
 
 #include <memory>
@@ -9,15 +9,18 @@
 
 namespace dynoproof::diagnosis {
 
-/// Takes courses off the outputs, over their whole length. A course has a `record`, a `signal`, and At() of an instant of its series.
+/// Takes a course off a series, over its whole length. The course has At() of an instant of the series.
+template <class Course>
+void TakeOff(const Course& course, Series& series) {
+  std::vector<double> values = *series.values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= course.At((*series.time)[i]);
+  series.values = std::make_shared<const std::vector<double>>(std::move(values));
+}
+
+/// Takes each course off its output of its record. A course has a `record` and a `signal`, too.
 template <class Course>
 void TakeOff(const std::vector<Course>& courses, std::vector<MappedRecord>& records) {
-  for (const Course& one : courses) {
-    Series& series = records[one.record].outputs.at(one.signal);
-    std::vector<double> values = *series.values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] -= one.At((*series.time)[i]);
-    series.values = std::make_shared<const std::vector<double>>(std::move(values));
-  }
+  for (const Course& one : courses) TakeOff(one, records[one.record].outputs.at(one.signal));
 }
 
 }  // namespace dynoproof::diagnosis
