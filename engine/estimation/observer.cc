@@ -5,6 +5,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "base/subnormals.h"
@@ -89,6 +90,13 @@ Result<std::pair<MatrixXd, MatrixXd>> Along(Differences& differences, const Fram
   return std::pair(std::move(A), std::move(C));
 }
 
+/// The value of a mode by its name; none where the rig has no such mode.
+std::optional<int> ModeOf(const Rig& rig, const std::vector<int>& modes, const std::string& name) {
+  const auto found = std::ranges::find(rig.mode_names, name);
+  if (found == rig.mode_names.end()) return std::nullopt;
+  return modes[static_cast<std::size_t>(found - rig.mode_names.begin())];
+}
+
 /// A frame of `from` as one of `to`, a rig of the same machine: states, signals and modes by their names.
 Result<Frame> Transplanted(const BuiltRun& from, const Frame& frame, const BuiltRun& to) {
   Frame result = to.rig->MakeFrame();
@@ -105,7 +113,8 @@ Result<Frame> Transplanted(const BuiltRun& from, const Frame& frame, const Built
     if (slot >= 0) result.signals[i] = frame.signals[static_cast<std::size_t>(slot)];
   }
   if (result.rings.size() == frame.rings.size()) result.rings = frame.rings;
-  if (result.modes.size() == frame.modes.size()) result.modes = frame.modes;
+  for (std::size_t i = 0; i < to.rig->mode_names.size(); ++i)
+    result.modes[i] = ModeOf(*from.rig, frame.modes, to.rig->mode_names[i]).value_or(0);
   if (Status failed = to.solver->Resume(result)) return *failed;
   return result;
 }
@@ -257,6 +266,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   LinearModel model;
   model.period_s = run->rig->SecondsOf(run->rig->period);
   for (const Port& port : run->rig->state_ports) model.states.push_back(port.name);
+  model.modes = run->rig->mode_names;
   for (const auto& [name, series] : record.outputs) model.outputs.push_back(name);
   const std::vector<int> outputs = OutputsOf(*run->rig, model.outputs);
   if (outputs.size() != model.outputs.size())
@@ -362,6 +372,7 @@ Result<LinearModel> LinearModel::Reduced(const BuiltRun& whole, const BuiltRun& 
 
 Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_s, double memory_s)
     : states_(model.states),
+      modes_(model.modes),
       slopes_(model.slopes),
       stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
   const VectorXd variance = noise.cwiseAbs2();
@@ -439,15 +450,22 @@ VectorXd Observer::NoiseAlone(const LinearModel& model, const VectorXd& white) c
 }
 
 std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::vector<int>& modes) const {
-  const auto own = std::ranges::find(gains_, modes, &Gain::modes);
-  const MatrixXd& gain = (own != gains_.end() ? *own : gains_.front()).physical;
+  // An effect brings modes of its own, as a friction its sticking: those count for nothing here.
+  std::vector<std::optional<int>> known;
+  for (const std::string& name : modes_) known.push_back(ModeOf(rig, modes, name));
+  const auto others = [&](const Gain& one) {
+    std::ptrdiff_t count = 0;
+    for (std::size_t i = 0; i < known.size(); ++i) count += known[i] && *known[i] != one.modes[i] ? 1 : 0;
+    return count;
+  };
+  const MatrixXd& gain = std::ranges::min_element(gains_, {}, others)->physical;
   std::vector<std::vector<double>> columns(static_cast<std::size_t>(gain.cols()),
                                            std::vector<double>(rig.state_ports.size(), 0.0));
   for (std::size_t i = 0; i < rig.state_ports.size(); ++i) {
-    const std::optional<std::size_t> known = CorrectedAs(states_, rig.state_ports[i].name);
-    if (!known) continue;
+    const std::optional<std::size_t> state = CorrectedAs(states_, rig.state_ports[i].name);
+    if (!state) continue;
     for (Index j = 0; j < gain.cols(); ++j)
-      columns[static_cast<std::size_t>(j)][i] = gain(static_cast<Index>(*known), j);
+      columns[static_cast<std::size_t>(j)][i] = gain(static_cast<Index>(*state), j);
   }
   return columns;
 }

@@ -18,13 +18,13 @@ namespace dynoproof::estimation {
 
 /// The nominal model over one period, about where it runs: of the states that forces move and outputs see, sensors apart.
 struct LinearModel {
-  std::vector<std::string> states, outputs, forces;  // by name; outputs as in the record
-  Eigen::VectorXd scale;                             // usual magnitude of each state
-  mechanics::BalancedPart part;                      // of the scaled states
+  std::vector<std::string> states, modes, outputs, forces;  // by name; outputs as in the record
+  Eigen::VectorXd scale;                                    // usual magnitude of each state
+  mechanics::BalancedPart part;                             // of the scaled states
   double period_s = 0.0;
   Eigen::VectorXd slopes, kept;  // by output: of the sensor's chain, and what a lag in it keeps of itself over a period
   struct Regime {
-    std::vector<int> modes;   // of the rig: contact or none
+    std::vector<int> modes;   // their values: contact or none
     Eigen::MatrixXd A, G, C;  // r x r, r x forces, outputs x r: one period of the part; outputs as if no sensor lagged
   };
   std::vector<Regime> regimes;  // the most visited first; at least one
@@ -64,8 +64,8 @@ class Observer {
 
   /// By output of the model: the slope of the nominal sensor, in whose unit the gains take errors.
   const Eigen::VectorXd& slopes() const { return slopes_; }
-  /// For a rig in these modes: by output, the change of each of the rig's states. States that the nominal model does not
-  /// have are not corrected.
+  /// For a rig in these modes: by output, the change of each of the rig's states, by the regime in which most of the nominal model's own
+  /// modes are as the rig's of the same name. States that the nominal model does not have are not corrected.
   std::vector<std::vector<double>> GainsFor(const Rig& rig, const std::vector<int>& modes) const;
 
  private:
@@ -73,7 +73,7 @@ class Observer {
     std::vector<int> modes;
     Eigen::MatrixXd reduced, physical;  // r x outputs; states x outputs
   };
-  std::vector<std::string> states_;
+  std::vector<std::string> states_, modes_;
   std::vector<Gain> gains_;
   Eigen::VectorXd slopes_;  // of the nominal sensors
   int stride_ = 1;          // periods between samples

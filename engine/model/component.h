@@ -27,6 +27,8 @@ struct Layout {
   std::vector<Port> inputs, outputs, states;
   int modes = 0;   // integers that only events and ticks change: stick or slip, side of a contact
   int guards = 0;  // functions of time and state whose sign change is an event
+  /// Of each mode, where another model of the same machine may have more or fewer of them; empty: their numbers.
+  std::vector<std::string> mode_names;
 };
 
 /// The values a component may look at.

@@ -512,6 +512,11 @@ class RigBuilder {
         port.name = block.name + "." + port.name;
         rig_->state_ports.push_back(std::move(port));
       }
+      for (int i = 0; i < layout.modes; ++i) {
+        const bool named = static_cast<std::size_t>(i) < layout.mode_names.size();
+        rig_->mode_names.push_back(fmt::format(
+            "{}.{}", block.name, named ? layout.mode_names[static_cast<std::size_t>(i)] : fmt::to_string(i)));
+      }
       rig_->modes += layout.modes;
       rig_->guards += layout.guards;
     }

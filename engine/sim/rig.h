@@ -92,9 +92,10 @@ class Rig {
   std::vector<Block> controls;  // in data-flow order, ties by name
   std::vector<InputLine> inputs;
   std::vector<OutputLine> outputs;
-  std::vector<Interval> intervals;  // of every period, in order
-  std::vector<std::string> slots;   // name of each signal
-  std::vector<Port> state_ports;    // of Frame::states
+  std::vector<Interval> intervals;      // of every period, in order
+  std::vector<std::string> slots;       // name of each signal
+  std::vector<Port> state_ports;        // of Frame::states
+  std::vector<std::string> mode_names;  // of Frame::modes
   int modes = 0, guards = 0, control_states = 0, control_modes = 0, rings = 0;
 
   /// What the clock says, in seconds.

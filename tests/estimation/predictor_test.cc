@@ -116,6 +116,22 @@ TEST(Predictor, HalvesOfAMassOnAStiffJointAreCorrectedAsTheWholeIs) {
   }
 }
 
+// A friction brings a mode of its own, slipping or not. Taken for another state of the gap it was corrected by the gains of the open gap
+// throughout: the truth left four times the noise, and ten times over a longer memory.
+TEST(Predictor, AFrictionBesidePlayLeavesTheGapItsGains) {
+  const Plan plan = Scenario("scenarios/diagnose/backlash.toml", {"run.duration_s=0.5"});
+  const DataSet data({RecordOf(plan, 0.01, {"omega_1", "omega_2", "omega_3"})}, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  ASSERT_GT(model->regimes.size(), 1U);
+  const Predictor predictor(data, *model, testing::BuiltIns(), 0.01, nullptr);
+  const Result<Eigen::VectorXd> without = predictor.Innovations(plan);
+  const Result<Eigen::VectorXd> with =
+      predictor.Innovations(WithEffect(plan, "coulomb_friction", "inertia:I6", {0.0}));
+  ASSERT_TRUE(without.ok() && with.ok());
+  EXPECT_LT((*with - *without).norm(), 1e-3 * without->norm());
+}
+
 TEST(Predictor, ARecordBetweenTicksIsComparedWhereItIs) {
   const Plan plan = FourMasses(0.3);
   const MappedRecord made = RecordOf(plan, 0.0, {"omega_1"});

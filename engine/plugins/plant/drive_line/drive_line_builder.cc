@@ -451,6 +451,8 @@ class DriveLineBuilder {
         layout.states.push_back(state);
         layout.states.back().name = element.name + "." + state.name;
       }
+      for (int i = 0; i < element.law->layout().modes; ++i)
+        layout.mode_names.push_back(fmt::format("{}.{}", element.name, i));
       layout.modes += element.law->layout().modes;
       layout.guards += element.law->layout().guards;
     }
