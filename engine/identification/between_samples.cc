@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "estimation/horizon.h"
-#include "experiment/prediction_windows.h"
 
 namespace dynoproof::identification {
 namespace {
@@ -47,8 +46,7 @@ std::vector<std::string> PossibleBetween(const Plan& plan, const MappedRecord& r
 
 std::vector<BetweenFit> CompareBetween(const Plan& plan, const Registry& registry, const MappedRecord& record) {
   std::vector<BetweenFit> fits;
-  // Windows start from a state that was corrected by the record: half a sample hardly shows in them.
-  if (UnstatedInputs(plan, record).empty() || record.outputs.empty() || PredictionWindow(plan)) return fits;
+  if (UnstatedInputs(plan, record).empty() || record.outputs.empty()) return fits;
   for (const std::string& between : PossibleBetween(plan, record)) {
     const Result<std::optional<estimation::HorizonLevel>> level =
         estimation::ShortestLevelOf(plan, WithBetween(record, plan, between), registry);
