@@ -35,13 +35,13 @@ std::size_t PutInFront(std::vector<Contestant>& ranked, std::size_t kept, Contes
 }
 
 /// Coordinates of a model by those of another one of the same machine: the numbers of its last effect by those of the same name in the other
-/// model's effects, of which the last one counts, whatever law and place they are of.
-VectorXd StartByNumbersOf(const Contestant& other, const Hypothesis& model, std::size_t level) {
+/// model's effects, of which the last one counts, whatever law and place they are of; numbers of other names stay at `own`.
+VectorXd StartByNumbersOf(const Contestant& other, const Hypothesis& model, std::size_t level, const VectorXd& own) {
   const VectorXd& known = other.levels[level].q;
-  VectorXd q = StartFrom(model, other.hypothesis, known);
+  VectorXd q = StartFrom(model, other.hypothesis, known, own);
   const auto number = [](const estimation::Parameter& one) { return one.name.substr(one.name.rfind(' ') + 1); };
-  const std::size_t own = model.of_effects();
-  for (std::size_t k = own - model.effects().back().effect->info().parameters.size(); k < own; ++k) {
+  const std::size_t end = model.of_effects();
+  for (std::size_t k = end - model.effects().back().effect->info().parameters.size(); k < end; ++k) {
     const estimation::Parameter& to = model.parameters()[k];
     for (std::size_t n = 0; n < other.hypothesis.of_effects(); ++n) {
       const estimation::Parameter& from = other.hypothesis.parameters()[n];
@@ -56,15 +56,16 @@ VectorXd StartByNumbersOf(const Contestant& other, const Hypothesis& model, std:
 
 std::size_t WithPlainerLaws(std::vector<Contestant>& ranked, std::size_t kept, std::size_t first) {
   for (std::size_t i = 0; i < kept; ++i) {
-    const std::string& refines = ranked[i].effect().info().traits.refines;
-    const auto plainer = std::find_if(ranked.begin(), ranked.end(), [&](const Contestant& one) {
-      return one.effect().info().name == refines && one.place() == ranked[i].place();
-    });
-    if (refines.empty() || plainer == ranked.end()) continue;
-    const std::size_t level = ranked[i].Holds(first) ? first : first + 1;
-    if (plainer->Holds(level) && ranked[i].Holds(level) && plainer->share < ranked[i].share)
-      plainer->levels[level].q = StartByNumbersOf(ranked[i], plainer->hypothesis, level);
-    kept = MoveInFront(ranked, kept, plainer - ranked.begin());
+    for (const std::string& refined : ranked[i].effect().info().traits.refines) {
+      const auto plainer = std::find_if(ranked.begin(), ranked.end(), [&](const Contestant& one) {
+        return one.effect().info().name == refined && one.place() == ranked[i].place();
+      });
+      if (plainer == ranked.end()) continue;
+      const std::size_t level = ranked[i].Holds(first) ? first : first + 1;
+      if (plainer->Holds(level) && ranked[i].Holds(level) && plainer->share < ranked[i].share)
+        plainer->levels[level].q = StartByNumbersOf(ranked[i], plainer->hypothesis, level, plainer->levels[level].q);
+      kept = MoveInFront(ranked, kept, plainer - ranked.begin());
+    }
   }
   return kept;
 }
@@ -82,7 +83,7 @@ std::size_t WithItsOtherPlaces(std::vector<Contestant>& ranked, std::size_t kept
     const Hypothesis model = null.hypothesis.With(effect, place, magnitudes);
     const auto known = std::ranges::find(ranked, model.Name(), &Contestant::Name);
     if (known - ranked.begin() < static_cast<std::ptrdiff_t>(kept)) continue;
-    models.emplace_back(model, StartByNumbersOf(leader, model, first));
+    models.emplace_back(model, StartByNumbersOf(leader, model, first, model.start()));
   }
   std::vector<std::optional<Contestant>> others(models.size());
   ParallelFor(models.size(), 0,

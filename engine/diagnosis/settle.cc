@@ -30,7 +30,8 @@ double OffNominal(const Contestant& one, std::size_t level) {
 
 /// Whether a contestant's law has more numbers than another one's at the same place, which it becomes with some of them at nothing.
 bool Refines(const Contestant& refined, const Contestant& plain) {
-  return refined.place() == plain.place() && refined.effect().info().traits.refines == plain.effect().info().name;
+  return refined.place() == plain.place() &&
+         std::ranges::count(refined.effect().info().traits.refines, plain.effect().info().name) > 0;
 }
 
 /// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.

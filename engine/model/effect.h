@@ -32,8 +32,8 @@ struct EffectTraits {
   bool harmonic = false;
   /// Effects of one family explain much of each other's error at the same place; empty: a family of its own.
   std::string family = {};
-  /// The effect of which this one is a refinement: of the two the plainer one is named where it explains as much.
-  std::string refines = {};
+  /// The effects that this one becomes with some of its numbers at nothing: the plainer one is named where it explains as much.
+  std::vector<std::string> refines = {};
 };
 
 struct EffectInfo {

@@ -93,7 +93,7 @@ std::unique_ptr<Effect> StribeckFriction() {
                   {"T_s", "N m", "static friction", 0.0, kLargestTorque, 0.0, 2.0 * kSmallTorque},
                   // Lubricated contacts lose their static friction between some mrad/s and some 10 rad/s.
                   {"w_s", "rad/s", "Stribeck speed", 1e-3, 100.0, kShape, 1.0}},
-                 {.dry_friction = true, .refines = "coulomb_friction"}},
+                 {.dry_friction = true, .refines = {"coulomb_friction"}}},
       "stribeck", std::vector<std::string>{"T_c_Nm", "T_s_Nm", "w_s_rad_per_s"}, [](const Magnitudes& m) {
         const double friction = FrictionTorque(m);
         return Points{{friction, 2 * friction, 0.1 * m.speed}, {friction, 2 * friction, 0.5 * m.speed}};
@@ -107,7 +107,7 @@ std::unique_ptr<Effect> AsymmetricFriction() {
                  "dry and viscous friction that differ with direction",
                  {Friction("T_c_pos", "Coulomb friction at w > 0"), Friction("T_c_neg", "Coulomb friction at w < 0"),
                   Damping("b_pos", "viscous friction at w > 0"), Damping("b_neg", "viscous friction at w < 0")},
-                 {.dry_friction = true, .refines = "coulomb_friction"}},
+                 {.dry_friction = true, .refines = {"coulomb_friction", "viscous_friction"}}},
       "asymmetric", std::vector<std::string>{"T_c_pos_Nm", "T_c_neg_Nm", "b_pos_Nms_per_rad", "b_neg_Nms_per_rad"},
       [](const Magnitudes& m) {
         const double friction = FrictionTorque(m);
@@ -123,7 +123,7 @@ std::unique_ptr<Effect> DahlFriction() {
                  {Friction("F_c", "friction torque of long motion"),
                   // F_c/sigma is the angle of break-away: seals and bearings give way after 1e-4 ... 1e-2 rad.
                   {"sigma", "N m/rad", "pre-sliding stiffness", 1.0, 1e8, kShape, 100.0}},
-                 {.dry_friction = true, .refines = "coulomb_friction"}},
+                 {.dry_friction = true, .refines = {"coulomb_friction"}}},
       "dahl", std::vector<std::string>{"F_c_Nm", "sigma_Nm_per_rad"}, [](const Magnitudes& m) {
         const double friction = FrictionTorque(m);
         Points starts;
