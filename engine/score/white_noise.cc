@@ -55,9 +55,9 @@ double QuietestPower(const std::vector<double>& values) {
 }  // namespace
 
 double WhiteNoise(const std::vector<double>& values) {
-  // 62 bins a band, of which the window makes 36 that do not hang together: their mean scatters by a sixth, the least of eight
-  // lies a quarter below. Half the power is three deviations away.
-  constexpr std::size_t kEnough = 1000;
+  // 125 bins a band, of which the window makes 72 that do not hang together: their mean scatters by an eighth, the least of
+  // eight lies a sixth below. Half the power is four deviations away.
+  constexpr std::size_t kEnough = 2000;
   constexpr double kSeesMore = 0.5;
   const double differences = ByDifferences(values);
   if (values.size() < kEnough || !(differences > 0.0)) return differences;

@@ -126,8 +126,7 @@ TEST(Predictor, AFrictionBesidePlayLeavesTheGapItsGains) {
   ASSERT_GT(model->regimes.size(), 1U);
   const Predictor predictor(data, *model, testing::BuiltIns(), 0.01, nullptr);
   const Result<Eigen::VectorXd> without = predictor.Innovations(plan);
-  const Result<Eigen::VectorXd> with =
-      predictor.Innovations(WithEffect(plan, "coulomb_friction", "inertia:I6", {0.0}));
+  const Result<Eigen::VectorXd> with = predictor.Innovations(WithEffect(plan, "coulomb_friction", "inertia:I6", {0.0}));
   ASSERT_TRUE(without.ok() && with.ok());
   EXPECT_LT((*with - *without).norm(), 1e-3 * without->norm());
 }
