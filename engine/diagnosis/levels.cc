@@ -34,7 +34,11 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
   if (!(from_s > 0.0) && in_motion) from_s = estimation::LeadInOf(policy::kLonger * memory_s, duration_s);
   levels->data_ = std::make_unique<DataSet>(
       records, plan,
-      DataSet::Options{.from_s = from_s, .most_s = most_s, .from_share = compared_from, .most_rows = most_rows});
+      DataSet::Options{.from_s = from_s,
+                       .most_s = most_s,
+                       .from_share = compared_from,
+                       .most_rows = most_rows,
+                       .noise_of = like != nullptr && compared_from > 0.0 ? &like->data() : nullptr});
   const auto known = std::make_shared<mechanics::Decompositions>();
   const std::optional<double> window_s = PredictionWindow(plan);
   if (like != nullptr) {

@@ -17,7 +17,8 @@ class Levels {
  public:
   /// `compared_from`, a share of each record: rows before are not compared, and the free run is corrected until there. 0: from the beginning, a
   /// record in motion from where its start has been forgotten. Fails where the plan cannot be run.
-  /// `like`: with the same memories as these, not those that suit the records. `most_s`: of each record.
+  /// `like`: with the same memories as these, not those that suit the records; where these are an earlier part of the same records, with their
+  /// noise as well, so that a level corrects both parts alike. `most_s`: of each record.
   static Result<std::unique_ptr<Levels>> Of(const Plan& plan, const std::vector<MappedRecord>& records,
                                             const Registry& registry, double compared_from, Eigen::Index most_rows,
                                             const Levels* like = nullptr, double most_s = 1e300);

@@ -46,6 +46,11 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       channel.spread = score::StandardDeviation(y);
       channel.white = score::WhiteNoise(y);
       channel.noise = std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
+      if (options.noise_of != nullptr) {
+        const auto same = [&](const Channel& one) { return one.record == r && one.name == name; };
+        const auto known = std::ranges::find_if(options.noise_of->channels(), same);
+        if (known != options.noise_of->channels().end()) channel.white = known->white, channel.noise = known->noise;
+      }
       channel.begin = std::ssize(measured);
       for (auto i = first; i < std::ssize(t); i += every) {
         measured.push_back(y[static_cast<std::size_t>(i)]);

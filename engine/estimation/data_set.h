@@ -28,6 +28,7 @@ class DataSet {
     double from_s = 0.0, most_s = 1e300;
     double from_share = 0.0;                 // of the length of each record, at the earliest
     Eigen::Index most_rows = 1'000'000'000;  // of a channel: every other row goes until no more are left
+    const DataSet* noise_of = nullptr;       // another part of the same records, of which their noise is known
   };
   DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options);
   DataSet(std::vector<MappedRecord> records, const Plan& plan) : DataSet(std::move(records), plan, Options()) {}

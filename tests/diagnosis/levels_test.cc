@@ -55,6 +55,25 @@ TEST(Levels, OfRecordsOfDifferentLengthCompareTheSameShareOfEach) {
   }
 }
 
+/// A record's later part is corrected by the noise that its earlier part was: two estimates, one of which takes what is fast for noise, made
+/// of one memory two levels, and what was exact in the one diverged in the other. Records of their own have their own noise.
+TEST(Levels, OfALaterPartHaveTheNoiseOfTheEarlierOne) {
+  const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
+  const MappedRecord whole = RecordOf(plan, 0.0, {"T_shaft", "omega_1"});
+  MappedRecord first = whole;
+  identification::CutRecord(first, 0.4);
+  const auto training = Levels::Of(plan, {first}, testing::BuiltIns(), 0.0, 10'000);
+  ASSERT_TRUE(training.ok());
+  const auto later = Levels::Of(plan, {whole}, testing::BuiltIns(), 0.4, 10'000, training->get()),
+             other = Levels::Of(plan, {whole}, testing::BuiltIns(), 0.0, 10'000, training->get());
+  ASSERT_TRUE(later.ok() && other.ok());
+  for (std::size_t c = 0; c < 2; ++c) {
+    const double noise = (*training)->data().channels()[c].noise;
+    EXPECT_EQ((*later)->data().channels()[c].noise, noise);
+    EXPECT_NE((*other)->data().channels()[c].noise, noise);
+  }
+}
+
 /// A volume forgets by itself within tenths of a second: no correction gives it a longer memory, and a level is not told twice.
 TEST(Levels, HaveEachALongerMemoryThanTheOneBefore) {
   const Plan plan = Scenario("scenarios/diagnose/fuel_gas.toml", {"run.duration_s=20"});
