@@ -32,7 +32,7 @@ struct EffectTraits {
   bool harmonic = false;
   /// Effects of one family explain much of each other's error at the same place; empty: a family of its own.
   std::string family = {};
-  /// The effects that this one becomes with some of its numbers at nothing: the plainer one is named where it explains as much.
+  /// The effects of which this one is a refinement: of two the plainer one is named where it explains as much.
   std::vector<std::string> refines = {};
 };
 
