@@ -43,7 +43,7 @@ struct Question {
   const Before& before;
 };
 
-/// What the search after this one is told: how many simulations went before, and why it is made.
+/// Returns what the next search starts with: the simulations that were made so far, and a note that says why another search is made.
 Before After(const Pipeline& search, Before before, const std::string& why) {
   before.simulations = search.simulations();
   before.notes.push_back(why);

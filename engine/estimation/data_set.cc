@@ -21,6 +21,13 @@ Series Until(const Series& series, double end_s) {
           std::make_shared<const std::vector<double>>(series.values->begin(), series.values->begin() + rows)};
 }
 
+/// The channel of an output in a record; null where there is none.
+const Channel* Find(const std::vector<Channel>& channels, std::size_t record, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(channels, [&](const Channel& one) { return one.record == record && one.name == name; });
+  return found != channels.end() ? &*found : nullptr;
+}
+
 }  // namespace
 
 DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options)
@@ -44,13 +51,9 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       channel.name = name;
       channel.unit = plan.root.TextOr("output." + name + ".unit", "1");
       channel.spread = score::StandardDeviation(y);
-      channel.white = score::WhiteNoise(y);
-      channel.noise = std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
-      if (options.noise_of != nullptr) {
-        const auto same = [&](const Channel& one) { return one.record == r && one.name == name; };
-        const auto known = std::ranges::find_if(options.noise_of->channels(), same);
-        if (known != options.noise_of->channels().end()) channel.white = known->white, channel.noise = known->noise;
-      }
+      const Channel* known = options.noise_of != nullptr ? Find(options.noise_of->channels(), r, name) : nullptr;
+      channel.white = known != nullptr ? known->white : score::WhiteNoise(y);
+      channel.noise = known != nullptr ? known->noise : std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
       channel.begin = std::ssize(measured);
       for (auto i = first; i < std::ssize(t); i += every) {
         measured.push_back(y[static_cast<std::size_t>(i)]);

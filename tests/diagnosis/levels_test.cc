@@ -55,8 +55,8 @@ TEST(Levels, OfRecordsOfDifferentLengthCompareTheSameShareOfEach) {
   }
 }
 
-/// A record's later part is corrected by the noise that its earlier part was: two estimates, one of which takes what is fast for noise, made
-/// of one memory two levels, and what was exact in the one diverged in the other. Records of their own have their own noise.
+/// Both parts of a record are corrected with the same noise. With an estimate each, of which one took fast motion for noise, one memory gave two
+/// different observers, and a model that was exact in the earlier part diverged in the later one. Other records have their own noise.
 TEST(Levels, OfALaterPartHaveTheNoiseOfTheEarlierOne) {
   const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
   const MappedRecord whole = RecordOf(plan, 0.0, {"T_shaft", "omega_1"});

@@ -116,8 +116,8 @@ TEST(Predictor, HalvesOfAMassOnAStiffJointAreCorrectedAsTheWholeIs) {
   }
 }
 
-// A friction brings a mode of its own, slipping or not. Taken for another state of the gap it was corrected by the gains of the open gap
-// throughout: the truth left four times the noise, and ten times over a longer memory.
+// A friction has a mode of its own, slipping or not. Where that counted as one of the gap's, the run was corrected throughout by the gains of
+// the most visited state of the gap: the true model left four times the noise, and ten times over a longer memory.
 TEST(Predictor, AFrictionBesidePlayLeavesTheGapItsGains) {
   const Plan plan = Scenario("scenarios/diagnose/backlash.toml", {"run.duration_s=0.5"});
   const DataSet data({RecordOf(plan, 0.01, {"omega_1", "omega_2", "omega_3"})}, plan);
