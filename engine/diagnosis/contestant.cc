@@ -117,6 +117,14 @@ bool NamesSomething(const Contestant& one, std::size_t level) {
   return acts;
 }
 
+double OffNominal(const Contestant& one, std::size_t level) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < one.hypothesis.parameters().size(); ++i) {
+    if (one.hypothesis.parameters()[i].prior) sum += std::pow(one.levels[level].q[static_cast<Index>(i)], 2);
+  }
+  return sum;
+}
+
 std::vector<Idle> IdleEffects(const Contestant& one, std::size_t level) {
   const Estimate& fit = one.levels[level];
   std::vector<Idle> idle;
@@ -172,9 +180,9 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
   return estimate;
 }
 
-bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps) {
+bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, const Plan& as) {
   if (!contestant.Holds(level)) return false;
-  Hypothesis finer = contestant.hypothesis.WithSubsteps(substeps);
+  Hypothesis finer = contestant.hypothesis.AsExactAs(as);
   // Kept columns do where the minimum is near. Along a curved valley each step needs its own.
   Eigen::VectorXd q = contestant.levels[level].q;
   Estimate again;

@@ -52,6 +52,10 @@ double ShareOf(const Contestant& contestant, const Contestant& null, const Level
 /// A number on a bound, or an effect whose numbers are all where they do nothing, names nothing. One of several numbers
 /// may do nothing: friction that differs with direction may have no viscous part.
 bool NamesSomething(const Contestant& one, std::size_t level);
+
+/// How far nominal values are off: the sum of squares of their deviations, in standard deviations of their priors.
+double OffNominal(const Contestant& one, std::size_t level);
+
 /// An effect of a fitted model that could be left out, and where the other numbers then go, this effect doing nothing.
 struct Idle {
   std::size_t effect = 0;
@@ -86,7 +90,7 @@ estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimat
 /// ends its fits where what a step would still gain tells no model from another, up to a standard deviation before it, and
 /// simulates in substeps in which nobody sees the nominal model change, but a lag or a delay does. Whether the fit
 /// is exact there; otherwise nothing changes.
-bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, int substeps);
+bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, const Plan& as);
 
 /// From now on, of all of them, noise alone is at each level at least what this one leaves there, which is noise of some colour.
 void CountAsNoise(Contestant one, std::span<Contestant> all);

@@ -11,6 +11,7 @@
 #include "estimation/built_run.h"
 #include "experiment/drive_by_record.h"
 #include "identification/estimation_problem.h"
+#include "model/kept_modes.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -42,6 +43,15 @@ std::optional<LeftThere> LeftAt(const Plan& plan, const Levels& levels, std::siz
   if (level != levels.free_run() || levels.from_the_start() == nullptr) return led;
   const std::optional<LeftThere> whole = LeftBeside(plan, levels, *levels.from_the_start());
   return !led || (whole && whole->log_excess < led->log_excess) ? whole : led;
+}
+
+/// Whether no test tells a plan's free run from one that leaves `own`.
+bool NobodySees(const Levels& levels, const Plan& plan, const Eigen::VectorXd& own) {
+  const Result<Eigen::VectorXd> rows = levels[levels.free_run()].Innovations(plan);
+  return rows.ok() && std::ranges::all_of(levels.data().channels(), [&](const estimation::Channel& one) {
+           const auto apart = rows->segment(one.begin, one.count) - own.segment(one.begin, one.count);
+           return apart.norm() <= policy::kUnseen * one.noise;
+         });
 }
 
 }  // namespace
@@ -87,21 +97,28 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   return Parts{*std::move(training), *std::move(held)};
 }
 
+Plan WithFewerModes(const Plan& plan, const Levels& levels) {
+  if (!HasSoftRotors(plan) || ModesBelow(plan) > 0.0) return plan;
+  const Result<Eigen::VectorXd> own = levels[levels.free_run()].Innovations(plan);
+  if (!own.ok()) return plan;
+  const double clock_Hz = 1.0 / plan.root.NumberOr("run.period_s", 1e-4);
+  for (const double share : policy::kModesBelow) {
+    Plan fewer = plan;
+    KeepModesBelow(fewer, share * clock_Hz);
+    if (NobodySees(levels, fewer, *own)) return fewer;
+  }
+  return plan;
+}
+
 Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& registry) {
   const Result<estimation::BuiltRun> run =
       estimation::BuildRun(StartingInto(plan, 0), levels.data().records().front(), registry);
   if (!run.ok() || run->solver->linear()) return plan;
-  const estimation::Predictor& free = levels[levels.free_run()];
-  const Result<Eigen::VectorXd> own = free.Innovations(plan);
+  const Result<Eigen::VectorXd> own = levels[levels.free_run()].Innovations(plan);
   for (int substeps = 1; own.ok() && substeps < SubstepsOf(plan); substeps *= 2) {
     Plan fewer = plan;
     SetSubsteps(fewer, substeps);
-    const Result<Eigen::VectorXd> rows = free.Innovations(fewer);
-    const bool same = rows.ok() && std::ranges::all_of(levels.data().channels(), [&](const estimation::Channel& one) {
-                        const auto apart = rows->segment(one.begin, one.count) - own->segment(one.begin, one.count);
-                        return apart.norm() <= policy::kUnseen * one.noise;
-                      });
-    if (same) return fewer;
+    if (NobodySees(levels, fewer, *own)) return fewer;
   }
   return plan;
 }

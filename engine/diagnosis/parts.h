@@ -23,6 +23,10 @@ struct Parts {
 Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, const std::vector<MappedRecord>& holdout,
                     const Registry& registry);
 
+/// A line with the fewest modes of its soft rotors whose free run no record tells from its own: a search decomposes it anew for each
+/// of some thousand sets of numbers, and a rotor of a hundred slices costs ten times its simulation then.
+Plan WithFewerModes(const Plan& plan, const Levels& levels);
+
 /// The plan with the fewest substeps (`[run.realtime]`) whose free run no record tells from its own. A linear plan keeps its
 /// substeps: they are for the nonlinear laws that an effect may add.
 Plan InFewerSubsteps(const Plan& plan, const Levels& levels, const Registry& registry);

@@ -56,7 +56,7 @@ Result<std::unique_ptr<Pipeline>> Pipeline::Of(const Plan& plan, const std::vect
   const Plan begun = started.ok() ? *started : plan;
   Result<Parts> parts = Split(begun, data, holdout, registry);
   if (!parts.ok()) return parts.failure();
-  Plan searched = InFewerSubsteps(begun, *parts->training, registry);
+  Plan searched = InFewerSubsteps(WithFewerModes(begun, *parts->training), *parts->training, registry);
   return std::unique_ptr<Pipeline>(
       new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, before));
 }
@@ -359,9 +359,32 @@ Answer Pipeline::WithFurtherCauses(Answer answer) {
     }
     before = std::exchange(answer, *std::move(next));
   }
-  if (!before || !DoesWithout(answer, *before)) return answer;
-  SettleAgain(*before);
-  return *std::move(before);
+  if (!before) return answer;
+  if (DoesWithout(answer, *before)) {
+    SettleAgain(*before);
+    return *std::move(before);
+  }
+  if (std::optional<Answer> other = FromTheOtherHalf(answer, *before)) return *std::move(other);
+  return answer;
+}
+
+std::optional<Answer> Pipeline::FromTheOtherHalf(const Answer& answer, const Answer& before) {
+  const auto& [contest, settled] = answer;
+  if (!settled.exact || settled.causes.size() != 1 || EffectsIn(answer) != 2 || Spent()) return {};
+  const Contestant& pair = contest.contestants[settled.causes.front()];
+  const double off = OffNominal(pair, settled.level);
+  if (off < policy::kImplausible) return {};
+  const auto& alone = before.contest.contestants;
+  const auto half = std::ranges::find_if(alone, [&](const Contestant& one) {
+    const auto& effects = one.hypothesis.effects();
+    return effects.size() == 1 && effects.front() == pair.hypothesis.effects().back();
+  });
+  if (half == alone.end()) return {};
+  Result<Answer> other = Ask(*half, contest.released, "with " + half->Name());
+  if (!other.ok() || !other->settled.exact || other->settled.causes.empty()) return {};
+  const Contestant& instead = other->contest.contestants[other->settled.causes.front()];
+  if (OffNominal(instead, other->settled.level) + policy::kImplausible > off) return {};
+  return *std::move(other);
 }
 
 bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
@@ -396,7 +419,7 @@ bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
 }
 
 bool Pipeline::PolishAt(std::size_t level, Contestant& one, const Contestant& null) {
-  return Polish(one, null, levels_, level, SubstepsOf(problem_.plan()));
+  return Polish(one, null, levels_, level, problem_.plan());
 }
 
 bool Pipeline::FoundLater(const Contest& later, std::size_t model, Answer& answer) {

@@ -100,6 +100,10 @@ class Pipeline {
   /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
   bool DoesWithout(Answer& answer, Answer& before);
 
+  /// A pair that leaves nothing but noise with nominal values far off may have one half that is right, and another that stands for the one that
+  /// is: what the second half alone lacks, where that leaves nothing but noise and is plausible.
+  std::optional<Answer> FromTheOtherHalf(const Answer& answer, const Answer& before);
+
   bool PolishAt(std::size_t level, Contestant& one, const Contestant& null);
 
   /// A contest on top of a model may have found its minimum only now, from the values of one with an effect more, which adds nothing then.

@@ -19,15 +19,6 @@ double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std:
   return ShareOf(contest.contestants[i], contest.null(), levels, level);
 }
 
-/// How far nominal values are off: the sum of squares of their deviations, in standard deviations of their priors.
-double OffNominal(const Contestant& one, std::size_t level) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < one.hypothesis.parameters().size(); ++i) {
-    if (one.hypothesis.parameters()[i].prior) sum += std::pow(one.levels[level].q[static_cast<Eigen::Index>(i)], 2);
-  }
-  return sum;
-}
-
 /// Whether a contestant's law has more numbers than another one's at the same place, which it becomes with some of them at nothing.
 bool Refines(const Contestant& refined, const Contestant& plain) {
   return refined.place() == plain.place() &&

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "experiment/drive_by_record.h"
 #include "linear/dense.h"
 
 namespace dynoproof::estimation {
@@ -12,11 +13,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+/// The parameters that are not where a record starts.
+std::vector<Index> WithoutStarts(const Hypothesis& hypothesis) {
+  std::vector<Index> others;
+  for (std::size_t i = 0; i < hypothesis.parameters().size(); ++i) {
+    if (!IsOfAStart(hypothesis.parameters()[i].name)) others.push_back(static_cast<Index>(i));
+  }
+  return others;
+}
+
+}  // namespace
+
 VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis) {
-  const MatrixXd& J = estimate.jacobian;
+  const std::vector<Index> moved = WithoutStarts(hypothesis);
   VectorXd left = estimate.weighted;
-  if (J.cols() == 0) return estimate.innovations;
-  const MatrixXd H = HessianOf(J, hypothesis);
+  if (estimate.jacobian.cols() == 0 || moved.empty()) return estimate.innovations;
+  const MatrixXd J = estimate.jacobian(Eigen::all, moved), H = HessianOf(estimate.jacobian, hypothesis)(moved, moved);
   for (const Block& block : BlocksOf(data)) {
     MatrixXd others = H;
     VectorXd score = VectorXd::Zero(H.rows());

@@ -9,7 +9,8 @@
 namespace dynoproof::estimation {
 
 /// Innovations of each block of rows (BlocksOf) by the estimate that the other blocks give: one Newton step, exact for a
-/// linear least squares, e_b + J_b (H - J_b'J_b)^-1 J_b'e_b with H the curvature of all (priors included).
+/// linear least squares, e_b + J_b (H - J_b'J_b)^-1 J_b'e_b with H the curvature of all (priors included). Where a record starts stays as
+/// fitted: its first block tells that and no other, which would judge a model by a start that nobody knows.
 Eigen::VectorXd LeaveBlocksOut(const Estimate& estimate, const DataSet& data, const Hypothesis& hypothesis);
 
 struct Weight {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "experiment/drive_by_record.h"
+#include "model/kept_modes.h"
 #include "model/prior.h"
 
 namespace dynoproof::estimation {
@@ -90,10 +91,11 @@ Hypothesis Hypothesis::WithReleased(const std::string& name) const {
   return more;
 }
 
-Hypothesis Hypothesis::WithSubsteps(int substeps) const {
-  Hypothesis finer = *this;
-  SetSubsteps(finer.nominal_, substeps);
-  return finer;
+Hypothesis Hypothesis::AsExactAs(const Plan& plan) const {
+  Hypothesis exact = *this;
+  SetSubsteps(exact.nominal_, SubstepsOf(plan));
+  if (ModesBelow(exact.nominal_) != ModesBelow(plan)) KeepModesBelow(exact.nominal_, ModesBelow(plan));
+  return exact;
 }
 
 Hypothesis Hypothesis::WithStartFree(std::size_t record, const Registry& registry) const {

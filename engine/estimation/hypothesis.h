@@ -37,8 +37,8 @@ class Hypothesis {
   /// How numbers differ from record to record (NumbersThatDiffer()): of each of `records`, where there are several, a factor
   /// of each such number, with its prior. Named DifferenceOfRecord(r) + "." + path.
   Hypothesis WithDifferencesFree(std::size_t records) const;
-  /// The same machine, simulated in as many substeps a period.
-  Hypothesis WithSubsteps(int substeps) const;
+  /// The same machine, simulated as exactly as another plan is: in as many substeps a period, with as many modes of soft rotors.
+  Hypothesis AsExactAs(const Plan& plan) const;
   /// A number of the plan, by its dotted path.
   Hypothesis WithFree(Parameter parameter) const;
   /// An effect on top. The number that it scales, if any, is not free any more. Starts and sizes are those of its first

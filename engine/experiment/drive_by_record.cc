@@ -276,6 +276,10 @@ void WriteNumber(Value& root, const std::string& path, double value) {
   (*table)[path.substr(begin)] = Value(value);
 }
 
+bool IsOfAStart(std::string_view path) {
+  return path.starts_with("of_record.") && path.find(".start.") != std::string_view::npos;
+}
+
 std::string DifferenceOfRecord(std::size_t record) { return fmt::format("of_record.{}.times", record); }
 
 Plan StartingInto(const Plan& plan, std::size_t record) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "experiment/records.h"
@@ -26,6 +27,8 @@ void DriveByRecord(const MappedRecord& given, Plan& plan, Records& records);
 
 /// Where a plan holds the start of record `record` alone, to be laid over it: "of_record.0.start", with "plant..." in it.
 std::string StartOfRecord(std::size_t record);
+/// Whether a dotted path lies in one of these.
+bool IsOfAStart(std::string_view path);
 
 /// Where a plan holds, by the path of a number, the factor by which that differs in record `record`: "of_record.1.times".
 std::string DifferenceOfRecord(std::size_t record);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "linear/dense.h"
+#include "linear/low_modes.h"
 #include "linear/matrix_product.h"
 
 namespace dynoproof::mechanics {
@@ -41,11 +42,12 @@ Status Check(const Network& network, const MatrixXd& torque_weights) {
   return std::nullopt;
 }
 
+constexpr Eigen::Index kLarge = 20;  // nodes
+
 /// The decomposition of a network's springs. Those of large networks that were asked for last are remembered: whoever
 /// changes a damping, a load or a sensor of a machine builds its network anew, but not its modes.
 std::shared_ptr<const dense::Svd> Decomposed(const MatrixXd& strain_of_node) {
   const auto decompose = [&] { return std::make_shared<const dense::Svd>(dense::DividedSvd(strain_of_node)); };
-  constexpr Eigen::Index kLarge = 20;
   if (strain_of_node.cols() < kLarge) return decompose();
   constexpr std::size_t kKept = 16;
   static std::mutex guard;
@@ -71,18 +73,19 @@ std::shared_ptr<const dense::Svd> Decomposed(const MatrixXd& strain_of_node) {
 
 }  // namespace
 
-Result<EnergyCoordinates> EnergyCoordinates::Build(const Network& network, const MatrixXd& torque_weights) {
+Result<EnergyCoordinates> EnergyCoordinates::Build(const Network& network, const MatrixXd& torque_weights,
+                                                   const Kept& kept) {
   if (Status fault = Check(network, torque_weights)) return *fault;
   EnergyCoordinates result;
   result.network_ = network;
   result.torque_weights_ = torque_weights;
-  result.FindModes();
+  result.FindModes(kept);
   return result;
 }
 
 // The singular values of sqrt(k) * incidence * M^-1/2 are the frequencies themselves. Its SVD keeps a low one exact to
 // round-off of the highest; the eigenvalues of K would keep only its square. The left vectors give the twists for free.
-void EnergyCoordinates::FindModes() {
+void EnergyCoordinates::FindModes(const Kept& kept) {
   const int nodes = network_.size(), edges = static_cast<int>(network_.edges.size());
   const std::vector<int> part_of = network_.Parts();
   const int parts = *std::max_element(part_of.begin(), part_of.end()) + 1;
@@ -115,7 +118,7 @@ void EnergyCoordinates::FindModes() {
       for (int node : members) rigid_of_node_[node] = static_cast<int>(rigid_mass.size());
       rigid_mass.push_back(mass);
     }
-    const int modes = free ? size - 1 : size;
+    int modes = free ? size - 1 : size;
     if (modes == 0) continue;
 
     MatrixXd strain_of_node = MatrixXd::Zero(springs.size(), size);
@@ -125,7 +128,22 @@ void EnergyCoordinates::FindModes() {
       strain_of_node(s, place[edge.from]) = root_stiffness / root_inertia[edge.from];
       if (edge.to != kGround) strain_of_node(s, place[edge.to]) = -root_stiffness / root_inertia[edge.to];
     }
-    const std::shared_ptr<const dense::Svd> svd = Decomposed(strain_of_node);
+    MatrixXd slow;
+    if (kept.below_rad_per_s > 0.0 && size >= kLarge) {
+      const VectorXd root = root_inertia(members);
+      const MatrixXd forces = root.cwiseInverse().asDiagonal() * torque_weights_(members, Eigen::all);
+      const MatrixXd held = root.asDiagonal() * kept.shapes(members, Eigen::all);
+      slow = LowModes(strain_of_node, free ? rigid : VectorXd(), forces, held, kept.below_rad_per_s);
+    }
+    std::shared_ptr<const dense::Svd> svd;
+    if (slow.cols() > 0) {
+      dense::Svd within = dense::DividedSvd(strain_of_node * slow);
+      within.V = slow * within.V;
+      modes = static_cast<int>(slow.cols());
+      svd = std::make_shared<const dense::Svd>(std::move(within));
+    } else {
+      svd = Decomposed(strain_of_node);
+    }
     for (int mode = modes - 1; mode >= 0; --mode) {  // singular values fall
       const int column = static_cast<int>(frequencies.size());
       frequencies.push_back(svd->values[mode]);

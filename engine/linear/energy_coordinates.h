@@ -25,11 +25,18 @@ struct OutputRow {
   Eigen::RowVectorXd e;  // q
 };
 
+/// How much of a large network is kept: its modes below a frequency and what the inputs do at rest to the others (low_modes.h).
+struct Kept {
+  double below_rad_per_s = 0.0;  // 0: all of it
+  Eigen::MatrixXd shapes;        // nodes x any: angles or speeds that stay as they are, as those of a start
+};
+
 class EnergyCoordinates {
  public:
   /// `torque_weights` (nodes x m): how much of each input acts on each node [-], torques in N m. Fails (exit code 2) on
   /// inertias that are not positive, negative or non-finite springs and dampers, and edges that join a node to itself.
-  static Result<EnergyCoordinates> Build(const Network& network, const Eigen::MatrixXd& torque_weights);
+  static Result<EnergyCoordinates> Build(const Network& network, const Eigen::MatrixXd& torque_weights,
+                                         const Kept& kept = {});
 
   int elastic_modes() const { return static_cast<int>(frequencies_.size()); }
   int rigid_modes() const { return static_cast<int>(rigid_mass_.size()); }
@@ -59,11 +66,11 @@ class EnergyCoordinates {
 
  private:
   EnergyCoordinates() = default;
-  void FindModes();
+  void FindModes(const Kept& kept);
 
   Network network_;
   Eigen::MatrixXd torque_weights_;  // nodes x m
-  Eigen::VectorXd frequencies_;     // W, rising
+  Eigen::VectorXd frequencies_;     // W, rising; beyond what is kept, of the faster modes taken together
   Eigen::MatrixXd shapes_;          // nodes x elastic: M^-1/2 V, displacement of a node per q
   Eigen::MatrixXd strains_;         // edges x elastic: sqrt(k) twist per W q (the left singular vectors), 0 where k = 0
   std::vector<int> rigid_of_node_;  // index of the rigid mode that moves the node, -1 in a part held to the ground

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/parts.h"
+#include "diagnosis/policy.h"
 #include "identification/estimation_problem.h"
+#include "model/kept_modes.h"
 #include "tests/estimation/made_record.h"
 
 namespace dynoproof::diagnosis {
@@ -95,6 +97,18 @@ int SubstepsFor(const Plan& plan, const std::string& output) {
     return 0;
   }
   return SubstepsOf(InFewerSubsteps(plan, **levels, testing::BuiltIns()));
+}
+
+/// A rotor of a hundred slices is searched with its slow modes, as many as the record sees.
+TEST(WithFewerModes, KeepsWhatTheRecordSees) {
+  const auto kept_Hz = [](const char* scenario, const char* output, double noise) {
+    const Plan plan = Scenario(scenario, {"run.duration_s=0.2"});
+    const auto levels = Levels::Of(plan, {RecordOf(plan, noise, {output})}, testing::BuiltIns(), 0.0, 1000);
+    return levels.ok() ? ModesBelow(WithFewerModes(plan, **levels)) : -1.0;
+  };
+  EXPECT_EQ(kept_Hz("scenarios/diagnose/coupling.toml", "T", 1e-2), policy::kModesBelow[0] * 1e4);
+  EXPECT_EQ(kept_Hz("scenarios/diagnose/coupling.toml", "T", 1e-4), policy::kModesBelow[1] * 1e4);
+  EXPECT_EQ(kept_Hz("scenarios/diagnose/heavy_duty_lumped.toml", "T_shaft", 1e-2), 0.0);
 }
 
 TEST(InFewerSubsteps, AreAsManyAsTheRecordSees) {

@@ -37,7 +37,7 @@ class Named {
     ASSERT_TRUE(named_.Holds(level())) << fit().broken;
   }
 
-  void Polish(int substeps) { diagnosis::Polish(named_, null_, *levels_, level(), substeps); }
+  void Polish(const Plan& as) { diagnosis::Polish(named_, null_, *levels_, level(), as); }
   const estimation::Estimate& fit() const { return named_.levels[level()]; }
   double value() const { return named_.hypothesis.parameters()[0].ValueAt(fit().q[0]); }
   int substeps() const { return SubstepsOf(named_.hypothesis.nominal()); }
@@ -56,7 +56,7 @@ TEST(Polish, FindsTheMinimumOfNumbersThatMakeUpForEachOther) {
   Named named(plan, made, 0.0, {"T_shaft", "omega_1"}, "inertia_change", "inertia:I3");
   named.FitFrom(0.16, {.renewals = 6, .of_excess = 1e-3, .near = true});
   const double before = named.fit().criterion, off = std::abs(named.value() - 0.145);
-  named.Polish(SubstepsOf(plan));
+  named.Polish(plan);
   EXPECT_LT(named.fit().criterion, 0.1 * before);
   EXPECT_LT(std::abs(named.value() - 0.145), 0.1 * off);
 }
@@ -71,7 +71,7 @@ TEST(Polish, SimulatesInTheSubstepsOfTheScenario) {
               "input:u_1");
   named.FitFrom(kLag_s, {.renewals = 6, .near = true});
   EXPECT_GT(std::abs(named.value() / kLag_s - 1.0), 1e-3);
-  named.Polish(SubstepsOf(plan));
+  named.Polish(plan);
   EXPECT_EQ(named.substeps(), SubstepsOf(plan));
   EXPECT_LT(std::abs(named.value() / kLag_s - 1.0), 1e-5);
 }

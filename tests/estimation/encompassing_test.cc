@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "experiment/drive_by_record.h"
 #include "linear/dense.h"
 #include "tests/estimation/four_masses.h"
 #include "tests/estimation/made_record.h"
@@ -62,6 +63,33 @@ TEST(LeaveBlocksOut, IsWhatRefittingGives) {
     const Eigen::VectorXd truth = y.segment(rows.begin, rows.count) - X.middleRows(rows.begin, rows.count) * refitted;
     EXPECT_LT((left.segment(rows.begin, rows.count) - truth).cwiseAbs().maxCoeff(), 1e-10);
   }
+}
+
+/// A number that only the first rows tell, as where a record starts: leaving them out would put anything in their place.
+TEST(LeaveBlocksOut, KeepsWhereARecordStarts) {
+  const Eigen::Index n = Data().measured().size();
+  const Block::Rows begin = BlocksOf(Data())[0].rows[0];
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, 2);
+  J.col(0).setOnes();
+  J.col(1).segment(begin.begin, begin.count).setConstant(1e6);
+  const auto left = [&](const char* second) {
+    Hypothesis two(FourMasses(0.2));
+    for (const char* name : {"plant.inertia.I1", second}) {
+      Parameter parameter;
+      parameter.name = name;
+      parameter.lower = -1e3, parameter.upper = 1e3;
+      parameter.prior = parameter.name == second;
+      two = two.WithFree(parameter);
+    }
+    Estimate estimate;
+    estimate.q = Eigen::Vector2d::Zero();
+    estimate.innovations = estimate.weighted = Noise(1, n).array() + 1e-3;
+    estimate.jacobian = J;
+    estimate.scales.assign(2, {1.0, 1.0, 1.0});
+    return LeaveBlocksOut(estimate, Data(), two).segment(begin.begin, begin.count).cwiseAbs().maxCoeff();
+  };
+  EXPECT_LT(left((StartOfRecord(0) + ".plant.inertia.I2").c_str()), 10.0);
+  EXPECT_GT(left("plant.inertia.I2"), 1e3);
 }
 
 TEST(Encompassing, SeesWhichModelAddsNothing) {

@@ -228,7 +228,11 @@ std::unique_ptr<LinearPart> DriveLine::MakeLinearPart() const {
   for (int e = 0; e < elements; ++e) {
     for (const auto& [node, weight] : elements_[e].weights) weights(node, inputs + e) -= weight;
   }
-  auto built = mechanics::EnergyCoordinates::Build(linear_, weights);
+  mechanics::Kept kept{modes_below_rad_per_s_, Eigen::MatrixXd(n, 2)};
+  kept.shapes << Eigen::Map<const Eigen::VectorXd>(initial_angles_.data(), n),
+      Eigen::Map<const Eigen::VectorXd>(initial_speeds_.data(), n);
+  kept.shapes(0, 0) = 0.0;  // the angle of all, which the others are relative to
+  auto built = mechanics::EnergyCoordinates::Build(linear_, weights, kept);
   assert(built.ok());  // the builder has checked all numbers
   const mechanics::EnergyCoordinates& coordinates = *built;
 

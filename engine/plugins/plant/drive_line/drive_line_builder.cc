@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "plugins/plant/drive_line/drive_line.h"
@@ -40,6 +41,7 @@ class DriveLineBuilder {
     if (context_.diagnostics.error_count() != before) return nullptr;
     AddStates();
     AddOutputs();
+    line_->modes_below_rad_per_s_ = 2.0 * std::numbers::pi * params_.modes_below_Hz;
     line_->Finish();
     return std::move(line_);
   }
