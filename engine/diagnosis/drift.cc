@@ -211,13 +211,16 @@ std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> c
   }
   std::optional<Drifts> best;
   std::int64_t simulations = 0;
-  for (const Contestant* one : {&contestants.front(), machine}) {
+  // Beside an offset or a gain of one sensor the drifts of all are much the same as without: only what leaves far less counts there, as
+  // beside a sensor that is late.
+  const Contestant* late = is_at_output(*leader) ? leader : nullptr;
+  for (const Contestant* one : {&contestants.front(), machine, late}) {
     if (one == nullptr || !one->Holds(level) || (best && best->exact)) continue;
     std::optional<Drifts> own = DriftsOf(*one, plan, levels, level, registry, LogLeft(leader->levels[level], levels));
     if (!own) continue;
     own->of_output = is_at_output(*leader);
     simulations += own->simulations;
-    if (!best || own->leaves < best->leaves) best = std::move(own);
+    if (!best || own->leaves < (one == late ? policy::kDriftsLeave : 1.0) * best->leaves) best = std::move(own);
   }
   if (best) best->simulations = simulations;
   return best;

@@ -88,6 +88,17 @@ TEST(Drift, OfOneSensorAloneIsAnEffect) {
   EXPECT_FALSE(drifts.Found());
 }
 
+/// A model with one effect, fitted to the free run.
+Contestant FittedWith(const char* effect, const char* place, const Contestant& null, const Levels& levels) {
+  const std::size_t free = levels.free_run();
+  Contestant cause(null.hypothesis.With(*testing::BuiltIns().FindEffect(effect), *ParsePlace(place), {}));
+  cause.levels.resize(levels.size());
+  for (estimation::Estimate& fit : cause.levels) fit.broken = "not fitted";
+  cause.levels[free] = estimation::Fit(cause.hypothesis, levels[free],
+                                       StartFrom(cause.hypothesis, null.hypothesis, null.levels[free].q));
+  return cause;
+}
+
 /// A load that nobody knows of moves every output slowly. Its own model leaves as little.
 TEST(Drift, IsNoneWhereALoadExplainsAsMuch) {
   const Plan plan = Nominal();
@@ -95,15 +106,25 @@ TEST(Drift, IsNoneWhereALoadExplainsAsMuch) {
   const std::unique_ptr<Levels> levels = LevelsOf(plan, record);
   const Contestant null = NullOf(plan, false, *levels, testing::BuiltIns());
   const std::size_t free = levels->free_run();
-  const Effect& load = *testing::BuiltIns().FindEffect("constant_load");
-  Contestant cause(null.hypothesis.With(load, *ParsePlace("inertia:I4"), {}));
-  cause.levels.resize(levels->size());
-  for (estimation::Estimate& fit : cause.levels) fit.broken = "not fitted";
-  cause.levels[free] = estimation::Fit(cause.hypothesis, (*levels)[free],
-                                       StartFrom(cause.hypothesis, null.hypothesis, null.levels[free].q));
+  const Contestant cause = FittedWith("constant_load", "inertia:I4", null, *levels);
   ASSERT_TRUE(IsExact(cause.levels[free]));
   ASSERT_FALSE(IsExact(null.levels[free]));
   EXPECT_FALSE(FoundAt(free, plan, {null, cause}, *levels).Found());
+}
+
+/// One sensor is late, and all warm up: no model of the machine leaves drifts alone.
+TEST(Drift, OfAllSensorsIsFoundBesideOneThatIsLate) {
+  const Plan plan = Nominal();
+  MappedRecord record = RecordOf(WithEffect(plan, "sensor_delay", "output:T_shaft", {4e-4}), 0.01, kOutputs);
+  WarmUp(record, "T_shaft", 0.05);
+  WarmUp(record, "omega_1", -0.08);
+  const std::unique_ptr<Levels> levels = LevelsOf(plan, record);
+  const Contestant null = NullOf(plan, false, *levels, testing::BuiltIns());
+  const Contestant late = FittedWith("sensor_delay", "output:T_shaft", null, *levels);
+  const Drifts drifts = FoundAt(levels->free_run(), plan, {null, late}, *levels);
+  EXPECT_EQ(drifts.beside, late.Name());
+  EXPECT_TRUE(drifts.Found());
+  EXPECT_LT(drifts.leaves, policy::kDriftsAlone);
 }
 
 }  // namespace
