@@ -173,8 +173,12 @@ std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& l
     if (at != level) continue;
     const double left = std::exp(LogLeft(fit, *cleaned) - without);
     const bool settled = best && left > kWorth * best->leaves;
-    if (!best || left < best->leaves)
+    if (!best || left < best->leaves) {
+      // How well the drifts are known is told by what is left beside them, not by what was left before they were taken off.
+      if (const std::optional<Step> beside = StepOf(one, *cleaned, level))
+        drifts = Named(heights, beside->covariance, levels.data());
       best = {one.Name(), one.hypothesis, fit.q, left, IsExact(fit), false, std::move(drifts), 0};
+    }
     if (settled || best->exact) break;
   }
   if (best) best->simulations = simulations;

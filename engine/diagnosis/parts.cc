@@ -98,13 +98,12 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
 }
 
 Plan WithFewerModes(const Plan& plan, const Levels& levels) {
-  if (!HasSoftRotors(plan) || ModesBelow(plan) > 0.0) return plan;
+  if (!HasSoftRotors(plan) || RotorModes(plan) > 0) return plan;
   const Result<Eigen::VectorXd> own = levels[levels.free_run()].Innovations(plan);
   if (!own.ok()) return plan;
-  const double clock_Hz = 1.0 / plan.root.NumberOr("run.period_s", 1e-4);
-  for (const double share : policy::kModesBelow) {
+  for (const int modes : policy::kRotorModes) {
     Plan fewer = plan;
-    KeepModesBelow(fewer, share * clock_Hz);
+    SetRotorModes(fewer, modes);
     if (NobodySees(levels, fewer, *own)) return fewer;
   }
   return plan;

@@ -65,9 +65,9 @@ inline constexpr double kAlike = 0.98;
 inline constexpr double kSearchedSteps = 12'000.0;
 /// Distance of two predictions of a channel, over all of its rows, which no test sees [standard deviations of the noise].
 inline constexpr double kUnseen = 0.1;
-/// Modes of soft rotors that a search keeps, below this frequency [of the clock], the fewest that no test sees: of two rotors of a
-/// hundred slices 27 and 34 pairs of states were 0.002 and 0.07 standard deviations of the noise off.
-inline constexpr double kModesBelow[] = {0.25, 0.5};
+/// Modes of soft rotors that a search keeps, the fewest that no test sees: of three rotors of 70 and 100 slices 20 were 0.005, 0.03 and 0.07
+/// standard deviations of the noise off.
+inline constexpr int kRotorModes[] = {20, 28};
 /// RMS over the noise up to which a second cause is looked for under the priors: a pair may leave nothing but noise there.
 inline constexpr double kNearEnough = 30.0;
 /// Squares of deviations from priors that one of two models that predict alike needs more than the other to be implausible

@@ -94,7 +94,7 @@ Hypothesis Hypothesis::WithReleased(const std::string& name) const {
 Hypothesis Hypothesis::AsExactAs(const Plan& plan) const {
   Hypothesis exact = *this;
   SetSubsteps(exact.nominal_, SubstepsOf(plan));
-  if (ModesBelow(exact.nominal_) != ModesBelow(plan)) KeepModesBelow(exact.nominal_, ModesBelow(plan));
+  if (RotorModes(exact.nominal_) != RotorModes(plan)) SetRotorModes(exact.nominal_, RotorModes(plan));
   return exact;
 }
 

@@ -129,11 +129,11 @@ void EnergyCoordinates::FindModes(const Kept& kept) {
       if (edge.to != kGround) strain_of_node(s, place[edge.to]) = -root_stiffness / root_inertia[edge.to];
     }
     MatrixXd slow;
-    if (kept.below_rad_per_s > 0.0 && size >= kLarge) {
+    if (kept.modes > 0 && size >= kLarge) {
       const VectorXd root = root_inertia(members);
       const MatrixXd forces = root.cwiseInverse().asDiagonal() * torque_weights_(members, Eigen::all);
       const MatrixXd held = root.asDiagonal() * kept.shapes(members, Eigen::all);
-      slow = LowModes(strain_of_node, free ? rigid : VectorXd(), forces, held, kept.below_rad_per_s);
+      slow = LowModes(strain_of_node, free ? rigid : VectorXd(), forces, held, kept.modes);
     }
     std::shared_ptr<const dense::Svd> svd;
     if (slow.cols() > 0) {

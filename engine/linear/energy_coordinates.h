@@ -25,10 +25,10 @@ struct OutputRow {
   Eigen::RowVectorXd e;  // q
 };
 
-/// How much of a large network is kept: its modes below a frequency and what the inputs do at rest to the others (low_modes.h).
+/// How much of each large part of a network is kept: its lowest modes, and what the inputs do at rest to the others (low_modes.h).
 struct Kept {
-  double below_rad_per_s = 0.0;  // 0: all of it
-  Eigen::MatrixXd shapes;        // nodes x any: angles or speeds that stay as they are, as those of a start
+  int modes = 0;           // of a part, the others taken together among them; 0: all
+  Eigen::MatrixXd shapes;  // nodes x any: angles or speeds that stay as they are, as those of a start
 };
 
 class EnergyCoordinates {

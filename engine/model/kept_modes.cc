@@ -7,8 +7,11 @@ bool HasSoftRotors(const Plan& plan) {
   return rotors != nullptr && rotors->is_table() && !rotors->table().empty();
 }
 
-double ModesBelow(const Plan& plan) { return plan.root.NumberOr("plant.modes_below_Hz", 0.0); }
+int RotorModes(const Plan& plan) {
+  const Value* written = plan.root.FindPath("plant.rotor_modes");
+  return written != nullptr && written->is_integer() ? static_cast<int>(written->integer()) : 0;
+}
 
-void KeepModesBelow(Plan& plan, double frequency_Hz) { plan.root["plant"]["modes_below_Hz"] = Value(frequency_Hz); }
+void SetRotorModes(Plan& plan, int modes) { plan.root["plant"]["rotor_modes"] = Value(std::int64_t{modes}); }
 
 }  // namespace dynoproof

@@ -1,4 +1,4 @@
-// How much of its soft rotors a plan simulates: `plant.modes_below_Hz` of a drive line.
+// How much of its soft rotors a plan simulates: `plant.rotor_modes` of a drive line.
 #pragma once
 
 #include "model/plan.h"
@@ -7,8 +7,8 @@ namespace dynoproof {
 
 /// Whether the plant is a line with soft rotors.
 bool HasSoftRotors(const Plan& plan);
-/// The frequency [Hz] below which modes are kept; 0: all.
-double ModesBelow(const Plan& plan);
-void KeepModesBelow(Plan& plan, double frequency_Hz);
+/// How many modes are kept; 0: all.
+int RotorModes(const Plan& plan);
+void SetRotorModes(Plan& plan, int modes);
 
 }  // namespace dynoproof

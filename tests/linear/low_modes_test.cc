@@ -15,10 +15,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kHz = 2.0 * std::numbers::pi, kLimit_Hz = 2500.0;
+constexpr double kHz = 2.0 * std::numbers::pi;
+constexpr int kModes = 20;
 
-EnergyCoordinates Line(double below_Hz, const MatrixXd& shapes = MatrixXd(support::SoftRotorR2R().size(), 0)) {
-  return *EnergyCoordinates::Build(support::SoftRotorR2R(), support::AirgapR2R(), {kHz * below_Hz, shapes});
+EnergyCoordinates Line(int modes, const MatrixXd& shapes = MatrixXd(support::SoftRotorR2R().size(), 0)) {
+  return *EnergyCoordinates::Build(support::SoftRotorR2R(), support::AirgapR2R(), {modes, shapes});
 }
 
 /// Of the torque in each shaft and the speed of the last inertia.
@@ -34,15 +35,15 @@ Eigen::VectorXcd AnswerOf(const EnergyCoordinates& line, double hz) {
 }
 
 TEST(LowModes, AreThoseOfTheNetworkAndFew) {
-  const VectorXd all = Line(0.0).frequencies(), kept = Line(kLimit_Hz).frequencies();
-  EXPECT_LT(3 * kept.size(), all.size());
-  ASSERT_LT(all[3], kHz * kLimit_Hz);
-  for (Eigen::Index i = 0; all[i] < kHz * kLimit_Hz; ++i) EXPECT_NEAR(kept[i], all[i], 1e-8 * all[i]) << i;
+  const VectorXd all = Line(0).frequencies(), kept = Line(kModes).frequencies();
+  EXPECT_EQ(kept.size(), kModes);
+  EXPECT_GT(all.size(), 3 * kModes);
+  for (Eigen::Index i = 0; i < kModes / 4; ++i) EXPECT_NEAR(kept[i], all[i], 1e-7 * all[i]) << i;
 }
 
-/// What is given up is stiff: at rest it yields as much as it does in the whole line, and nearly so up to the limit.
+/// What is given up is stiff: at rest it yields as much as it does in the whole line.
 TEST(LowModes, WhatIsGivenUpYieldsAsAtRest) {
-  const EnergyCoordinates all = Line(0.0), kept = Line(kLimit_Hz);
+  const EnergyCoordinates all = Line(0), kept = Line(kModes);
   // Of the torque that is spread over the slices the shafts between them keep some shape beyond all that is kept.
   for (const auto& [hz, within] : {std::pair{0.1, 1e-7}, {300.0, 1e-4}, {1000.0, 1e-3}}) {
     const Eigen::VectorXcd exact = AnswerOf(all, hz);
@@ -60,8 +61,22 @@ TEST(LowModes, ATwistThatARunStartsWithStays) {
     line.ToPhysical(x, p, angles, speeds);
     return (angles - twist).norm() / twist.norm();
   };
-  EXPECT_LT(there_and_back(Line(kLimit_Hz, twist)), 1e-9);
-  EXPECT_GT(there_and_back(Line(kLimit_Hz)), 1e-6) << "no force at the rotor does that";
+  EXPECT_LT(there_and_back(Line(kModes, twist)), 1e-9);
+  EXPECT_GT(there_and_back(Line(kModes)), 1e-6) << "no force at the rotor does that";
+}
+
+/// A fit asks how answers change with a number: what is kept may not turn with round-off.
+TEST(LowModes, ChangeSmoothlyWithTheNumbersOfTheLine) {
+  const auto frequencies = [](double of_last) {
+    Network network = support::SoftRotorR2R();
+    network.nodes.back().inertia *= of_last;
+    return EnergyCoordinates::Build(network, support::AirgapR2R(), {kModes, MatrixXd(network.size(), 0)})
+        ->frequencies();
+  };
+  const VectorXd at = frequencies(1.0);
+  const auto slope = [&](double step) { return VectorXd((frequencies(1.0 + step) - at) / step); };
+  EXPECT_LT((slope(1e-6) - slope(1e-4)).cwiseQuotient(at).cwiseAbs().maxCoeff(), 0.05)
+      << "where directions of round-off were kept it was some hundred";
 }
 
 /// Forces in the middle of a chain of equal inertias move none of the modes in which its ends turn against each other.
@@ -70,21 +85,20 @@ TEST(LowModes, HoldThoseThatNoForceReaches) {
   Network network;
   for (int i = 0; i < kNodes; ++i) network.nodes.push_back({"n" + std::to_string(i), 0.02});
   for (int i = 0; i + 1 < kNodes; ++i) network.edges.push_back({"e" + std::to_string(i), i, i + 1, 4e6, 0.0});
-  const auto frequencies = [&](double below) {
+  const auto frequencies = [&](int modes) {
     const MatrixXd middle = MatrixXd::Identity(kNodes, kNodes).col(kNodes / 2);
-    return EnergyCoordinates::Build(network, middle, {below, MatrixXd(kNodes, 0)})->frequencies();
+    return EnergyCoordinates::Build(network, middle, {modes, MatrixXd(kNodes, 0)})->frequencies();
   };
-  const VectorXd all = frequencies(0.0), kept = frequencies(all[6]);
-  EXPECT_LT(2 * kept.size(), all.size());
-  for (Eigen::Index i = 0; i < 6; ++i) EXPECT_NEAR(kept[i], all[i], 1e-8 * all[i]) << i;
+  const VectorXd all = frequencies(0), kept = frequencies(kModes);
+  for (Eigen::Index i = 0; i < kModes / 4; ++i) EXPECT_NEAR(kept[i], all[i], 1e-3 * all[i]) << i;
 }
 
 TEST(LowModes, KeepAllWhereFewWouldBeGivenUp) {
-  EXPECT_EQ(Line(1e6).frequencies(), Line(0.0).frequencies());
+  EXPECT_EQ(Line(60).frequencies(), Line(0).frequencies());
   // Five inertias cost nothing.
   const Network chain = support::StraightChain();
   const MatrixXd at_end = MatrixXd::Identity(5, 1);
-  EXPECT_EQ(EnergyCoordinates::Build(chain, at_end, {kHz * 1.0, MatrixXd(5, 0)})->frequencies(),
+  EXPECT_EQ(EnergyCoordinates::Build(chain, at_end, {2, MatrixXd(5, 0)})->frequencies(),
             EnergyCoordinates::Build(chain, at_end)->frequencies());
 }
 

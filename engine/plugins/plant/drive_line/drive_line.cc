@@ -228,7 +228,7 @@ std::unique_ptr<LinearPart> DriveLine::MakeLinearPart() const {
   for (int e = 0; e < elements; ++e) {
     for (const auto& [node, weight] : elements_[e].weights) weights(node, inputs + e) -= weight;
   }
-  mechanics::Kept kept{modes_below_rad_per_s_, Eigen::MatrixXd(n, 2)};
+  mechanics::Kept kept{rotor_modes_, Eigen::MatrixXd(n, 2)};
   kept.shapes << Eigen::Map<const Eigen::VectorXd>(initial_angles_.data(), n),
       Eigen::Map<const Eigen::VectorXd>(initial_speeds_.data(), n);
   kept.shapes(0, 0) = 0.0;  // the angle of all, which the others are relative to

@@ -56,7 +56,8 @@ class DriveLine : public Component {
     std::vector<std::pair<std::string, Value>> shaft, load;
     std::vector<std::pair<std::string, Torque>> torque;
     std::vector<std::pair<std::string, Run>> run;
-    double nominal_torque_Nm = 1000.0, initial_speed_rad_per_s = 0.0, initial_angle_rad = 0.0, modes_below_Hz = 0.0;
+    double nominal_torque_Nm = 1000.0, initial_speed_rad_per_s = 0.0, initial_angle_rad = 0.0;
+    int rotor_modes = 0;
     void Visit(auto& v) {
       v.Optional("rotor", rotor, Any(),
                  "soft rotors by name: inertia_kg_m2, stiffness_Nm_per_rad, damping_Nms_per_rad, slices (100)");
@@ -73,9 +74,9 @@ class DriveLine : public Component {
                  "speed of the line at t = 0, of its first part where shafts have twist rates");
       v.Optional("initial_angle_rad", initial_angle_rad, Any(), "angle of the line's first part at t = 0");
       v.Optional(
-          "modes_below_Hz", modes_below_Hz, NonNegative(),
-          "solver realtime: modes of soft rotors that are kept as they are, of the others what torques do to them at "
-          "rest; 0: all");
+          "rotor_modes", rotor_modes, Between(0, 1000),
+          "solver realtime: modes that are kept of a part with soft rotors, the last ones for all the faster modes "
+          "together; 0: all");
     }
   };
 
@@ -163,7 +164,7 @@ class DriveLine : public Component {
   std::vector<Reading> readings_;
   std::vector<double> initial_angles_;  // of the first node, then of the others relative to it
   std::vector<double> initial_speeds_;
-  double modes_below_rad_per_s_ = 0.0;  // 0: all
+  int rotor_modes_ = 0;  // 0: all
   mutable std::once_flag linear_part_made_;
   mutable std::unique_ptr<LinearPart> linear_part_;
 };

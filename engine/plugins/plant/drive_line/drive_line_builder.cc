@@ -41,7 +41,7 @@ class DriveLineBuilder {
     if (context_.diagnostics.error_count() != before) return nullptr;
     AddStates();
     AddOutputs();
-    line_->modes_below_rad_per_s_ = 2.0 * std::numbers::pi * params_.modes_below_Hz;
+    line_->rotor_modes_ = params_.rotor_modes;
     line_->Finish();
     return std::move(line_);
   }
