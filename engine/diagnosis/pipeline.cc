@@ -15,6 +15,7 @@
 #include "diagnosis/weights.h"
 #include "identification/residual_tests.h"
 #include "identification/start.h"
+#include "model/kept_modes.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -56,7 +57,11 @@ Result<std::unique_ptr<Pipeline>> Pipeline::Of(const Plan& plan, const std::vect
   const Plan begun = started.ok() ? *started : plan;
   Result<Parts> parts = Split(begun, data, holdout, registry);
   if (!parts.ok()) return parts.failure();
-  Plan searched = InFewerSubsteps(WithFewerModes(begun, *parts->training), *parts->training, registry);
+  Plan searched = WithFewerModes(begun, *parts->training);
+  // Corrections move modes: a run that keeps fewer than its observer knows of would be corrected amiss.
+  if (RotorModes(searched) != RotorModes(begun)) parts = Split(searched, data, holdout, registry);
+  if (!parts.ok()) return parts.failure();
+  searched = InFewerSubsteps(searched, *parts->training, registry);
   return std::unique_ptr<Pipeline>(
       new Pipeline(std::move(problem), std::move(searched), *std::move(parts), data, holdout, options, before));
 }

@@ -111,6 +111,31 @@ TEST(WithFewerModes, KeepsWhatTheRecordSees) {
   EXPECT_EQ(kept("scenarios/diagnose/heavy_duty_lumped.toml", "T_shaft", 1e-2), 0);
 }
 
+/// An observer that moves modes which a run has given up corrects it amiss: levels are made anew for a line with fewer modes.
+TEST(WithFewerModes, AreCorrectedAsWellByLevelsOfTheirOwn) {
+  const Plan plan = Scenario("scenarios/diagnose/coupling.toml", {"run.duration_s=0.4"});
+  const MappedRecord record = RecordOf(plan, 1e-3, {"T", "omega_d"});
+  const auto levels_of = [&](const Plan& one) {
+    auto levels = Levels::Of(one, {record}, testing::BuiltIns(), 0.0, 4000);
+    EXPECT_TRUE(levels.ok());
+    return *std::move(levels);
+  };
+  const auto worst = [](const Plan& one, const Levels& levels) {
+    const auto there = levels[0].Predict(one);
+    double most = 0.0;
+    for (const auto& scale : estimation::ScalesOf(levels.data(), there->innovations, there->noise_alone))
+      most = std::max(most, scale.rms / scale.noise_alone);
+    return most;
+  };
+  Plan fewer = plan;
+  SetRotorModes(fewer, policy::kRotorModes[0]);
+  const auto of_all = levels_of(plan), of_fewer = levels_of(fewer);
+  EXPECT_LT(worst(plan, *of_all), 1.1);
+  EXPECT_LT(worst(fewer, *of_fewer), 1.1);
+  EXPECT_LT(worst(plan, *of_fewer), 1.1);
+  EXPECT_GT(worst(fewer, *of_all), 1.2);
+}
+
 TEST(InFewerSubsteps, AreAsManyAsTheRecordSees) {
   // Volumes of tenths of a second, in periods of 20 ms.
   Plan air = Scenario("scenarios/diagnose/charge_air.toml", {"run.duration_s=20"});
