@@ -42,13 +42,13 @@ Status Check(const Network& network, const MatrixXd& torque_weights) {
   return std::nullopt;
 }
 
-constexpr Eigen::Index kLarge = 20;  // nodes
+constexpr Eigen::Index kManyNodes = 20;
 
 /// The decomposition of a network's springs. Those of large networks that were asked for last are remembered: whoever
 /// changes a damping, a load or a sensor of a machine builds its network anew, but not its modes.
 std::shared_ptr<const dense::Svd> Decomposed(const MatrixXd& strain_of_node) {
   const auto decompose = [&] { return std::make_shared<const dense::Svd>(dense::DividedSvd(strain_of_node)); };
-  if (strain_of_node.cols() < kLarge) return decompose();
+  if (strain_of_node.cols() < kManyNodes) return decompose();
   constexpr std::size_t kKept = 16;
   static std::mutex guard;
   static std::list<std::pair<MatrixXd, std::shared_ptr<const dense::Svd>>> known;  // last asked for first
@@ -129,7 +129,7 @@ void EnergyCoordinates::FindModes(const Kept& kept) {
       if (edge.to != kGround) strain_of_node(s, place[edge.to]) = -root_stiffness / root_inertia[edge.to];
     }
     MatrixXd slow;
-    if (kept.modes > 0 && size >= kLarge) {
+    if (kept.modes > 0 && size >= kManyNodes) {
       const VectorXd root = root_inertia(members);
       const MatrixXd forces = root.cwiseInverse().asDiagonal() * torque_weights_(members, Eigen::all);
       const MatrixXd held = root.asDiagonal() * kept.shapes(members, Eigen::all);
