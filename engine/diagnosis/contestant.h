@@ -86,9 +86,9 @@ int PointsFor(const estimation::Hypothesis& hypothesis);
 /// noise, noise alone is that.
 estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimation::Estimate estimate);
 
-/// Fits a model that leaves nothing but noise to the minimum itself at a level, in the substeps that its scenario asks for. A contest
+/// Fits a model that leaves nothing but noise to the minimum itself at a level, as exactly as the scenario `as` is simulated. A contest
 /// ends its fits where what a step would still gain tells no model from another, up to a standard deviation before it, and
-/// simulates in substeps in which nobody sees the nominal model change, but a lag or a delay does. Whether the fit
+/// simulates in substeps and modes in which nobody sees the nominal model change, but a lag or a delay does. Whether the fit
 /// is exact there; otherwise nothing changes.
 bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, const Plan& as);
 

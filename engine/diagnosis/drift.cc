@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "diagnosis/contest.h"
@@ -149,12 +150,13 @@ std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& l
   std::optional<Drifts> best;
   VectorXd heights = VectorXd::Zero(kTerms * std::ssize(levels.data().channels()));
   std::unique_ptr<Levels> cleaned;
+  std::optional<Step> ahead;  // the next one, where it is known already
   std::int64_t simulations = 0;
   for (int round = 0; round < kRounds; ++round) {
     // Far from the truth a free run has minima of its own: the first step is taken where a record corrects the run. How far a speed is off
     // is hardly seen there.
     const std::size_t at = round == 0 && one.Holds(levels.corrected()) ? levels.corrected() : level;
-    const std::optional<Step> step = StepOf(one, cleaned ? *cleaned : levels, at);
+    const std::optional<Step> step = ahead ? std::exchange(ahead, {}) : StepOf(one, cleaned ? *cleaned : levels, at);
     if (!step) break;
     heights += step->heights;
     std::vector<Drift> drifts = Named(heights, step->covariance, levels.data());
@@ -175,8 +177,8 @@ std::optional<Drifts> DriftsOf(Contestant one, const Plan& plan, const Levels& l
     const bool settled = best && left > kWorth * best->leaves;
     if (!best || left < best->leaves) {
       // How well the drifts are known is told by what is left beside them, not by what was left before they were taken off.
-      if (const std::optional<Step> beside = StepOf(one, *cleaned, level))
-        drifts = Named(heights, beside->covariance, levels.data());
+      ahead = StepOf(one, *cleaned, level);
+      if (ahead) drifts = Named(heights, ahead->covariance, levels.data());
       best = {one.Name(), one.hypothesis, fit.q, left, IsExact(fit), false, std::move(drifts), 0};
     }
     if (settled || best->exact) break;
@@ -215,8 +217,8 @@ std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> c
   }
   std::optional<Drifts> best;
   std::int64_t simulations = 0;
-  // Beside an offset or a gain of one sensor the drifts of all are much the same as without: only what leaves far less counts there, as
-  // beside a sensor that is late.
+  // An offset or a gain of one sensor is hardly told from its drift. The best model counts only where it is at a sensor and drifts beside it
+  // leave far less than beside the machine, as they do beside a sensor that is late.
   const Contestant* late = is_at_output(*leader) ? leader : nullptr;
   for (const Contestant* one : {&contestants.front(), machine, late}) {
     if (one == nullptr || !one->Holds(level) || (best && best->exact)) continue;

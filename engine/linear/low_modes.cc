@@ -49,8 +49,8 @@ class Basis {
 MatrixXd LowModes(const MatrixXd& S, const VectorXd& rigid, const MatrixXd& forces, const MatrixXd& shapes, int count) {
   constexpr double kMost = 0.6;   // of n: beyond, the whole costs no more
   constexpr double kRest = 1e-6;  // of the largest w^2: as slow as rest to all modes but the rigid one
-  // Of what forces do at rest nothing is given up that is more than round-off. Later, where they do alike, 1e-5 to 1e-4 was left of a
-  // column, in a direction of round-off: another one for any other numbers.
+  // The first block holds the static answers: it loses a column only where that is round-off. In later blocks 1e-5 to 1e-4 of a column were
+  // new where forces act alike, in a direction of round-off that turned with any number of the line.
   constexpr double kSome = 1e-6, kMuch = 1e-3;
   const Index n = S.cols();
   if (count <= 0 || static_cast<double>(count) > kMost * static_cast<double>(n)) return {};
@@ -65,8 +65,8 @@ MatrixXd LowModes(const MatrixXd& S, const VectorXd& rigid, const MatrixXd& forc
     VectorXd held = shape;
     basis.Take(held, kSome);
   }
-  // What the forces do, what that does in turn, and so on: the lowest modes ever more of it. Waves find the modes that no force
-  // reaches, and stand in for a column that has told all it can.
+  // Each block answers the block before at a larger shift, so that the space comes ever nearer to the lowest modes. Cosine waves excite the
+  // modes that no force reaches, and replace a column that brings nothing new.
   int waves = 0;
   const VectorXd along = VectorXd::LinSpaced(n, 0.0, std::numbers::pi);
   const auto wave = [&] { return VectorXd((++waves * along).array().cos()); };

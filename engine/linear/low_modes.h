@@ -1,5 +1,5 @@
-// The slow part of a large network: its lowest modes, and what forces do to all faster ones at rest. Of a soft rotor's 100 modes
-// some twenty are left, before anything is decomposed.
+// The slow part of a large network: its lowest modes, and what forces do to all faster ones at rest. A soft rotor of 100 slices keeps
+// some twenty modes, before it is decomposed.
 #pragma once
 
 #include <Eigen/Dense>

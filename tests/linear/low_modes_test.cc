@@ -22,7 +22,7 @@ EnergyCoordinates Line(int modes, const MatrixXd& shapes = MatrixXd(support::Sof
   return *EnergyCoordinates::Build(support::SoftRotorR2R(), support::AirgapR2R(), {modes, shapes});
 }
 
-/// Of the torque in each shaft and the speed of the last inertia.
+/// The frequency response of the last inertia's speed and of the torque in each shaft to the airgap torque.
 Eigen::VectorXcd AnswerOf(const EnergyCoordinates& line, double hz) {
   const Network network = support::SoftRotorR2R();
   std::vector<OutputRow> rows = {line.Speed(network.size() - 1)};
@@ -41,10 +41,10 @@ TEST(LowModes, AreThoseOfTheNetworkAndFew) {
   for (Eigen::Index i = 0; i < kModes / 4; ++i) EXPECT_NEAR(kept[i], all[i], 1e-7 * all[i]) << i;
 }
 
-/// What is given up is stiff: at rest it yields as much as it does in the whole line.
+/// The discarded modes keep their static compliance.
 TEST(LowModes, WhatIsGivenUpYieldsAsAtRest) {
   const EnergyCoordinates all = Line(0), kept = Line(kModes);
-  // Of the torque that is spread over the slices the shafts between them keep some shape beyond all that is kept.
+  // The airgap torque is spread over the slices: the shafts between them have a shape that no kept mode has.
   for (const auto& [hz, within] : {std::pair{0.1, 1e-7}, {300.0, 1e-4}, {1000.0, 1e-3}}) {
     const Eigen::VectorXcd exact = AnswerOf(all, hz);
     EXPECT_LT((AnswerOf(kept, hz) - exact).norm(), within * exact.norm()) << hz << " Hz";
