@@ -15,7 +15,8 @@ step() {  # step NAME COMMAND...
   "$@" >"out/nightly/$name.log" 2>&1 || { echo "   failed, see out/nightly/$name.log"; failed=1; }
 }
 suite() {  # suite FOLDER CMAKE_OPTIONS
-  CMAKE_OPTIONS=$2 ./ci/build.sh "$1" all && ctest --test-dir "$1" --output-on-failure --no-tests=error -j "$(nproc)"
+  CMAKE_OPTIONS=$2 ./ci/build.sh "$1" all nightly_tests &&
+    ctest --test-dir "$1" -C Nightly --output-on-failure --no-tests=error -j "$(nproc)"
 }
 step setup ./ci/setup.sh
 step gcc-O2 suite build ""

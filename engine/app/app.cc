@@ -57,12 +57,6 @@ bool CanWrite(const std::vector<std::string>& files) {
   return good;
 }
 
-CLI::Validator NamesFile() {
-  return {
-      [](const std::string& file) { return file == "-" ? "stdout is for tables, and for --json -; name a file" : ""; },
-      ""};
-}
-
 bool IsTerminal(int descriptor) { return isatty(descriptor) == 1; }
 
 bool ColourOn(int descriptor) {
@@ -102,11 +96,9 @@ void ClearProgress() {
   if (IsTerminal(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
 }
 
-void AddCommon(CLI::App& command, Common& common) {
-  command.add_option("--json", common.json, "write the result as JSON; - is stdout (tables then go to stderr)");
-  command.add_option("--plugin", common.plugins, "shared library with plugins; also $DYNOPROOF_PLUGIN_PATH");
+void AddCommon(Command command, Common& common) {
+  command.Value("--json", common.json, "write the result as JSON; - is stdout (tables then go to stderr)");
+  command.Value("--plugin", common.plugins, "shared library with plugins; also $DYNOPROOF_PLUGIN_PATH");
 }
-
-void AddExamples(CLI::App& command, const std::string& examples) { command.footer("Examples:\n" + examples); }
 
 }  // namespace dynoproof::app

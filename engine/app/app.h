@@ -1,12 +1,12 @@
 // The program `dynoproof`: what its commands share. Each command stands in a file of its own.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "app/answer.h"
+#include "app/command_line.h"
 #include "base/diagnostics.h"
 #include "model/registry.h"
 
@@ -27,8 +27,6 @@ void Print(const Common& common, const std::string& text);
 int WriteText(const std::string& file, const std::string& text);
 /// The same for a report page; says on stderr when its pictures are drawn without uPlot.
 int WriteHtml(const std::string& file, const std::string& page);
-/// For options that name a file to be written: "-" is none. Only --json may go to stdout, where tables are.
-CLI::Validator NamesFile();
 /// Whether files can be made in the folder (made if missing), and in the folder of a file: found out before hours of
 /// work. An empty file name asks for nothing and is fine; complaints go to stderr.
 bool Writable(const std::string& folder);
@@ -47,26 +45,24 @@ void ShowProgress(const std::string& what, double fraction);
 void ClearProgress();
 
 /// Adds --json and --plugin.
-void AddCommon(CLI::App& command, Common& common);
-/// The help text's examples.
-void AddExamples(CLI::App& command, const std::string& examples);
+void AddCommon(Command command, Common& common);
 
-/// Each adds its subcommand; `exit` is set by the one that runs.
-void AddRun(CLI::App& program, int& exit);
-void AddModes(CLI::App& program, int& exit);
-void AddList(CLI::App& program, int& exit);
-void AddDescribe(CLI::App& program, int& exit);
-void AddValidate(CLI::App& program, int& exit);
-void AddNew(CLI::App& program, int& exit);
-void AddExport(CLI::App& program, int& exit);
-void AddCompare(CLI::App& program, int& exit);
-void AddBench(CLI::App& program, int& exit);
-void AddSweep(CLI::App& program, int& exit);
-void AddProbe(CLI::App& program, int& exit);
-void AddReduce(CLI::App& program, int& exit);
-void AddBisect(CLI::App& program, int& exit);
-void AddDiagnose(CLI::App& program, int& exit);
-void AddHistory(CLI::App& program, int& exit);
-void AddBless(CLI::App& program, int& exit);
+/// Each adds its subcommand.
+void AddRun(Command program);
+void AddModes(Command program);
+void AddList(Command program);
+void AddDescribe(Command program);
+void AddValidate(Command program);
+void AddNew(Command program);
+void AddExport(Command program);
+void AddCompare(Command program);
+void AddBench(Command program);
+void AddSweep(Command program);
+void AddProbe(Command program);
+void AddReduce(Command program);
+void AddBisect(Command program);
+void AddDiagnose(Command program);
+void AddHistory(Command program);
+void AddBless(Command program);
 
 }  // namespace dynoproof::app

@@ -125,21 +125,20 @@ int Bench(const BenchArguments& arguments) {
 
 }  // namespace
 
-void AddBench(CLI::App& program, int& exit) {
+void AddBench(Command program) {
   auto arguments = std::make_shared<BenchArguments>();
-  CLI::App* command = program.add_subcommand("bench", "time every period of a scenario against its [budget]");
-  command->add_option("scenarios", arguments->names, "ids, files or folders; none: all that state a budget");
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  command->add_flag("--paced", arguments->options.paced, "one period every period of real time; overruns are counted");
-  command->add_flag("--realtime-priority", arguments->options.realtime_priority, "ask for SCHED_FIFO");
-  command->add_option("--html", arguments->html, "write a page: verdict, limits, and how many periods took longer")
-      ->check(NamesFile());
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof bench suppression/adaptive --html out/bench.html\n"
-              "  dynoproof bench suppression/adaptive --paced --realtime-priority --json -");
-  command->callback([arguments, &exit] { exit = Bench(*arguments); });
+  Command command = program.Subcommand("bench", "time every period of a scenario against its [budget]");
+  command.Value("scenarios", arguments->names, "ids, files or folders; none: all that state a budget");
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Flag("--paced", arguments->options.paced, "one period every period of real time; overruns are counted");
+  command.Flag("--realtime-priority", arguments->options.realtime_priority, "ask for SCHED_FIFO");
+  command.Value("--html", arguments->html, "write a page: verdict, limits, and how many periods took longer")
+      .NamesFile();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof bench suppression/adaptive --html out/bench.html\n"
+      "  dynoproof bench suppression/adaptive --paced --realtime-priority --json -");
+  command.Runs([arguments] { return Bench(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -389,32 +389,28 @@ int Bisect(const BisectArguments& arguments) {
 
 }  // namespace
 
-void AddBisect(CLI::App& program, int& exit) {
+void AddBisect(Command program) {
   auto arguments = std::make_shared<BisectArguments>();
-  CLI::App* command = program.add_subcommand(
-      "bisect", "the first commit that changes a scenario's run, and what it did to the physics");
-  command->description(
+  Command command =
+      program.Subcommand("bisect", "the first commit that changes a scenario's run, and what it did to the physics");
+  command.Describe(
       "The first commit after GOOD whose run of a scenario is not like that of GOOD: another verdict, other failing "
       "checks, another\n"
       "trace or a tenth more or less work of the solver. Each commit is built and run in a work tree of its own.");
-  command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--good", arguments->good, "the commit that is as it should be")->required();
-  command->add_option("--bad", arguments->bad, "a later one that is not (default HEAD)");
-  command->add_option("--check", arguments->check, "the verdict of this check alone");
-  command->add_option("--build", arguments->build,
-                      "how a commit's program is built (default, in this project: ci/build.sh)");
-  command->add_option(
-      "--program", arguments->program,
-      "the program, as seen from the tree of a commit (default: what is built; without a build this one)");
-  command->add_option("--work", arguments->work,
-                      "runs are kept here, and an interrupted call goes on (default out/bisect)");
-  command->add_flag("!--no-diagnosis", arguments->diagnose,
-                    "do not ask for the physical change that would do the same");
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof bisect heavy_duty/soft_rotor_setup_1 --good v0.1.0\n"
-              "  dynoproof bisect line.toml --good HEAD~40 --check \"golden T_shaft\"");
-  command->callback([arguments, &exit] { exit = Bisect(*arguments); });
+  command.Value("scenario", arguments->scenario, "id or file").Required();
+  command.Value("--good", arguments->good, "the commit that is as it should be").Required();
+  command.Value("--bad", arguments->bad, "a later one that is not (default HEAD)");
+  command.Value("--check", arguments->check, "the verdict of this check alone");
+  command.Value("--build", arguments->build, "how a commit's program is built (default, in this project: ci/build.sh)");
+  command.Value("--program", arguments->program,
+                "the program, as seen from the tree of a commit (default: what is built; without a build this one)");
+  command.Value("--work", arguments->work, "runs are kept here, and an interrupted call goes on (default out/bisect)");
+  command.Flag("!--no-diagnosis", arguments->diagnose, "do not ask for the physical change that would do the same");
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof bisect heavy_duty/soft_rotor_setup_1 --good v0.1.0\n"
+      "  dynoproof bisect line.toml --good HEAD~40 --check \"golden T_shaft\"");
+  command.Runs([arguments] { return Bisect(*arguments); });
 }
 
 }  // namespace dynoproof::app

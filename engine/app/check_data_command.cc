@@ -223,25 +223,23 @@ int CheckData(const CheckArguments& arguments) {
 
 }  // namespace
 
-void AddCheckData(CLI::App& program, int& exit) {
+void AddCheckData(Command program) {
   auto arguments = std::make_shared<CheckArguments>();
-  CLI::App* command = program.add_subcommand("check-data", "find the faults of a record before it is compared");
-  command->add_option("record", arguments->data, "CSV, HDF5 or MAT file")->required();
-  command->add_option("--map", arguments->map, "which column is which signal (TOML)");
-  command->add_option("--scenario", arguments->scenario,
-                      "check units, signs, delays and columns against its simulation");
-  command->add_flag("--candidates", arguments->candidates,
-                    "tell which effect at which place would remove how much of what the scenario gets wrong");
-  AddCommon(*command, arguments->common);
-  AddExamples(
-      *command,
+  Command command = program.Subcommand("check-data", "find the faults of a record before it is compared");
+  command.Value("record", arguments->data, "CSV, HDF5 or MAT file").Required();
+  command.Value("--map", arguments->map, "which column is which signal (TOML)");
+  command.Value("--scenario", arguments->scenario, "check units, signs, delays and columns against its simulation");
+  command.Flag("--candidates", arguments->candidates,
+               "tell which effect at which place would remove how much of what the scenario gets wrong");
+  AddCommon(command, arguments->common);
+  command.Examples(
       "  dynoproof check-data record.csv\n"
       "  dynoproof check-data record.csv --map map.toml --scenario diagnose/r2r_soft\n"
       "  dynoproof check-data record.csv --scenario diagnose/r2r_soft --candidates\n"
       "With --scenario it says how far each output is off the simulation, in its own spread (NRMSE), and how "
       "far ahead the\n"
       "scenario predicts it: in runs that the record corrects, by a memory from a few samples on, and in a free run.");
-  command->callback([arguments, &exit] { exit = CheckData(*arguments); });
+  command.Runs([arguments] { return CheckData(*arguments); });
 }
 
 }  // namespace dynoproof::app

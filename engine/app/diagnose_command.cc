@@ -112,46 +112,42 @@ int Diagnose(const DiagnoseArguments& arguments) {
 
 }  // namespace
 
-void AddDiagnose(CLI::App& program, int& exit) {
+void AddDiagnose(Command program) {
   auto arguments = std::make_shared<DiagnoseArguments>();
-  CLI::App* command =
-      program.add_subcommand("diagnose", "name the cause of a difference between a scenario and measured data");
-  command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--data", arguments->data, "record to explain (CSV, HDF5, MAT); may be given several times")
-      ->required()
-      ->allow_extra_args(false);
-  command->add_option("--map", arguments->maps, "which column is which signal; one for all records, or one each")
-      ->allow_extra_args(false);
-  command->add_option("--holdout", arguments->holdout, "record that takes no part in the choice (else: the last 30 %)")
-      ->allow_extra_args(false);
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  command->add_option("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
-  command->add_option("--html", arguments->html, "write a page that shows all of it")->check(NamesFile());
-  command->add_flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
-  command->add_flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
+  Command command =
+      program.Subcommand("diagnose", "name the cause of a difference between a scenario and measured data");
+  command.Value("scenario", arguments->scenario, "id or file").Required();
+  command.Value("--data", arguments->data, "record to explain (CSV, HDF5, MAT); may be given several times")
+      .Required()
+      .OneWord();
+  command.Value("--map", arguments->maps, "which column is which signal; one for all records, or one each").OneWord();
+  command.Value("--holdout", arguments->holdout, "record that takes no part in the choice (else: the last 30 %)")
+      .OneWord();
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Value("--out", arguments->out, "folder of extended.toml and the saved fits (default out)");
+  command.Value("--html", arguments->html, "write a page that shows all of it").NamesFile();
+  command.Flag("--strict", arguments->strict, "exit 4 for an ambiguous or unexplained verdict");
+  command.Flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
   command
-      ->add_option("--most-simulations", arguments->most_simulations,
-                   "simulations of all the data after which the search ends with the best it has (default 20000)")
-      ->check(CLI::PositiveNumber);
+      .Value("--most-simulations", arguments->most_simulations,
+             "simulations of all the data after which the search ends with the best it has (default 20000)")
+      .Positive();
   command
-      ->add_option(
-          "--most-cpu", arguments->most_cpu_s,
-          "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
-      ->check(CLI::PositiveNumber);
+      .Value("--most-cpu", arguments->most_cpu_s,
+             "CPU seconds after which it does so, too (default: none, for the result then depends on the machine)")
+      .Positive();
   // There is one method; scripts from when there were two name it.
-  command->add_option("--method", arguments->method)->check(CLI::IsMember({"corrected"}))->group("");
-  command->add_flag("--resume", arguments->resume, "go on from the fits saved in --out");
-  AddCommon(*command, arguments->common);
-  AddExamples(
-      *command,
+  command.Value("--method", arguments->method).OneOf({"corrected"}).Hidden();
+  command.Flag("--resume", arguments->resume, "go on from the fits saved in --out");
+  AddCommon(command, arguments->common);
+  command.Examples(
       "  dynoproof diagnose diagnose/heavy_duty_lumped --data record.csv\n"
       "  dynoproof diagnose diagnose/r2r_soft --data a.csv --data b.csv --holdout c.csv --map map.toml --out out/r2r\n"
       "  dynoproof diagnose my_line.toml --data record.csv --explain\n"
       "  dynoproof diagnose my_line.toml --data record.h5 --strict --json -\n"
       "  dynoproof diagnose my_line.toml --data record.csv --most-cpu 60\n"
       "Interrupted (Ctrl-C) it ends with 4; --resume goes on.\n");
-  command->callback([arguments, &exit] { exit = Diagnose(*arguments); });
+  command.Runs([arguments] { return Diagnose(*arguments); });
 }
 
 }  // namespace dynoproof::app

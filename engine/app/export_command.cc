@@ -105,21 +105,20 @@ int Export(const ExportArguments& arguments) {
 
 }  // namespace
 
-void AddExport(CLI::App& program, int& exit) {
+void AddExport(Command program) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App* command = program.add_subcommand("export", "a trace or record as a file that other tools open");
-  command->add_option("trace", arguments->trace, "HDF5, CSV or MAT file")->required();
-  command->add_option("--to", arguments->to, "csv (a file a raster) or mat (version 4)")
-      ->check(CLI::IsMember({"csv", "mat"}));
-  command->add_option("--out", arguments->out, "file (default: the trace's name, here)")->check(NamesFile());
-  command->add_option("--signals", arguments->signals, "NAME,...: these only")->delimiter(',')->allow_extra_args(false);
-  command->add_option("--every", arguments->every, "every n-th row")->check(CLI::Range(1, 1000000));
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof export out/my_line.h5 --to csv\n"
-              "  dynoproof export out/my_line.h5 --to mat --signals T_shaft,omega_1 --out bench.mat\n"
-              "  dynoproof export out/my_line.h5 --to csv --every 10 --out at_1_kHz.csv");
-  command->callback([arguments, &exit] { exit = Export(*arguments); });
+  Command command = program.Subcommand("export", "a trace or record as a file that other tools open");
+  command.Value("trace", arguments->trace, "HDF5, CSV or MAT file").Required();
+  command.Value("--to", arguments->to, "csv (a file a raster) or mat (version 4)").OneOf({"csv", "mat"});
+  command.Value("--out", arguments->out, "file (default: the trace's name, here)").NamesFile();
+  command.Value("--signals", arguments->signals, "NAME,...: these only").SplitAtCommas().OneWord();
+  command.Value("--every", arguments->every, "every n-th row").Within(1, 1000000);
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof export out/my_line.h5 --to csv\n"
+      "  dynoproof export out/my_line.h5 --to mat --signals T_shaft,omega_1 --out bench.mat\n"
+      "  dynoproof export out/my_line.h5 --to csv --every 10 --out at_1_kHz.csv");
+  command.Runs([arguments] { return Export(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -236,49 +236,47 @@ int Bless(const BlessArguments& arguments) {
 
 }  // namespace
 
-void AddCompare(CLI::App& program, int& exit) {
+void AddCompare(Command program) {
   struct Arguments {
     Common common;
     std::string a, b, tolerance;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("compare", "two traces, signal by signal");
-  command->add_option("A", arguments->a, "the reference: a trace (HDF5), or a record with time stamps (CSV, MAT)")
-      ->required();
-  command->add_option("B", arguments->b, "what is judged")->required();
-  command->add_option("--tolerance", arguments->tolerance,
-                      "TOML with [signal.NAME] relative_width, time_half_width_s, origin (default: that of a golden "
-                      "A beside it)");
-  AddCommon(*command, arguments->common);
-  AddExamples(*command, "  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
-  command->callback(
-      [arguments, &exit] { exit = Compare(arguments->common, arguments->a, arguments->b, arguments->tolerance); });
+  Command command = program.Subcommand("compare", "two traces, signal by signal");
+  command.Value("A", arguments->a, "the reference: a trace (HDF5), or a record with time stamps (CSV, MAT)").Required();
+  command.Value("B", arguments->b, "what is judged").Required();
+  command.Value("--tolerance", arguments->tolerance,
+                "TOML with [signal.NAME] relative_width, time_half_width_s, origin (default: that of a golden "
+                "A beside it)");
+  AddCommon(command, arguments->common);
+  command.Examples("  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
+  command.Runs([arguments] { return Compare(arguments->common, arguments->a, arguments->b, arguments->tolerance); });
 }
 
-void AddBless(CLI::App& program, int& exit) {
+void AddBless(Command program) {
   auto arguments = std::make_shared<BlessArguments>();
-  CLI::App* command = program.add_subcommand("bless", "make this run the golden one; needs a reason and a clean tree");
-  command->add_option("id", arguments->id, "the scenario")->required();
-  command->add_option("--reason", arguments->reason, "why the new trace is right");
-  command->add_option("--golden", arguments->golden,
-                      "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
-  command->add_option("--holdout", arguments->records.holdout,
-                      "for a scenario with [extension]: record that took no part in the diagnosis");
+  Command command = program.Subcommand("bless", "make this run the golden one; needs a reason and a clean tree");
+  command.Value("id", arguments->id, "the scenario").Required();
+  command.Value("--reason", arguments->reason, "why the new trace is right");
+  command.Value("--golden", arguments->golden,
+                "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
+  command.Value("--holdout", arguments->records.holdout,
+                "for a scenario with [extension]: record that took no part in the diagnosis");
   command
-      ->add_option("--record", arguments->records.others,
-                   "another recorded experiment, which must not become worse; may be given several times")
-      ->allow_extra_args(false);
+      .Value("--record", arguments->records.others,
+             "another recorded experiment, which must not become worse; may be given several times")
+      .OneWord();
   command
-      ->add_option("--map", arguments->records.maps,
-                   "which column is which signal; one for all records, or one each: those of --record, then --holdout")
-      ->allow_extra_args(false);
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"\n"
-              "  dynoproof bless my_line.toml --reason \"first trace\"    (my_line.golden.h5 and .toml, beside it)\n"
-              "  dynoproof bless line_extended --reason \"friction at I3\" --holdout new.csv --record old.csv\n"
-              "What diagnose extended is taken only if it foretells the hold-out better and no record worse (95 %).");
-  command->callback([arguments, &exit] { exit = Bless(*arguments); });
+      .Value("--map", arguments->records.maps,
+             "which column is which signal; one for all records, or one each: those of --record, then --holdout")
+      .OneWord();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof bless r2r/soft_rotor_setup_1 --reason \"first trace; oracle and reference agree\"\n"
+      "  dynoproof bless my_line.toml --reason \"first trace\"    (my_line.golden.h5 and .toml, beside it)\n"
+      "  dynoproof bless line_extended --reason \"friction at I3\" --holdout new.csv --record old.csv\n"
+      "What diagnose extended is taken only if it foretells the hold-out better and no record worse (95 %).");
+  command.Runs([arguments] { return Bless(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <thread>
 
 #include "app/app.h"
+#include "base/calendar.h"
 #include "base/cpu.h"
 #include "base/text.h"
 #include "experiment/run_scenario.h"
@@ -54,9 +54,8 @@ int Fail(const Failure& failure) {
 }
 
 int Add(const HistoryArguments& arguments) {
-  static const std::regex iso(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)");
   int exit = kGood;
-  if (!arguments.time.empty() && !std::regex_match(arguments.time, iso)) {
+  if (!arguments.time.empty() && !IsSecondOfDay(arguments.time)) {
     Complain(fmt::format("--time {}: write 2026-01-31T02:00:00Z\n", arguments.time));
     exit = kUsage;
   }
@@ -233,55 +232,55 @@ int Check(const HistoryArguments& arguments) {
   return exit;
 }
 
-void AddDatabase(CLI::App& command, HistoryArguments& arguments) {
-  command.add_option("--db", arguments.database, "the history, an SQLite file")->capture_default_str();
-  command.add_option(
+void AddDatabase(Command command, HistoryArguments& arguments) {
+  command.Value("--db", arguments.database, "the history, an SQLite file").ShowsDefault();
+  command.Value(
       "--machine", arguments.machine,
       "class of machine; only like machines are compared (add: default this one; else that of the last night)");
   AddCommon(command, arguments.common);
 }
 
-void AddWatch(CLI::App& command, HistoryArguments& arguments) {
-  command.add_option("--recent", arguments.watch.recent, "nights after which a change is no finding any more")
-      ->capture_default_str();
-  command.add_option("--alpha", arguments.watch.alpha, "chance of one false finding among all times")
-      ->check(CLI::Range(1e-6, 0.5))
-      ->capture_default_str();
-  command.add_option("--html", arguments.html, "write the trend page")->check(NamesFile());
+void AddWatch(Command command, HistoryArguments& arguments) {
+  command.Value("--recent", arguments.watch.recent, "nights after which a change is no finding any more")
+      .ShowsDefault();
+  command.Value("--alpha", arguments.watch.alpha, "chance of one false finding among all times")
+      .Within(1e-6, 0.5)
+      .ShowsDefault();
+  command.Value("--html", arguments.html, "write the trend page").NamesFile();
 }
 
 }  // namespace
 
-void AddHistory(CLI::App& program, int& exit) {
+void AddHistory(Command program) {
   auto arguments = std::make_shared<HistoryArguments>();
-  CLI::App* command = program.add_subcommand("history", "the nightly record and its change points");
-  command->require_subcommand(1);
-  AddExamples(*command,
-              "  dynoproof history add out/run.json out/bench.json\n"
-              "  dynoproof history show --series budget --html out/trend.html\n"
-              "  dynoproof history check --recent 10");
-  CLI::App* add = command->add_subcommand("add", "add the figures of JSON results to a night");
-  add->add_option("files", arguments->files, "JSON of run, bench, ci/check_budgets.py or a Google Benchmark program")
-      ->required();
-  add->add_option("--commit", arguments->commit, "what was measured (default: this program's commit)");
-  add->add_option("--time", arguments->time, "when, 2026-01-31T02:00:00Z (default: now)");
-  AddDatabase(*add, *arguments);
-  AddExamples(*add, "  dynoproof history add out/nightly/run.json out/nightly/bench.json out/nightly/budgets.json");
-  add->callback([arguments, &exit] { exit = Add(*arguments); });
-  CLI::App* show = command->add_subcommand("show", "the newest value and course of every series");
-  show->add_option("--series", arguments->series, "only those with this text in their name");
-  show->add_option("--last", arguments->last, "nights in the little curves")->capture_default_str();
-  AddDatabase(*show, *arguments);
-  AddWatch(*show, *arguments);
-  AddExamples(*show, "  dynoproof history show --series suppression/adaptive --html out/trend.html");
-  show->callback([arguments, &exit] { exit = Show(*arguments); });
-  CLI::App* check = command->add_subcommand(
+  Command command = program.Subcommand("history", "the nightly record and its change points");
+  command.NeedsSubcommand();
+  command.Examples(
+      "  dynoproof history add out/run.json out/bench.json\n"
+      "  dynoproof history show --series budget --html out/trend.html\n"
+      "  dynoproof history check --recent 10");
+  Command add = command.Subcommand("add", "add the figures of JSON results to a night");
+  add.Value("files", arguments->files, "JSON of run, bench, ci/check_budgets.py or a Google Benchmark program")
+      .Required();
+  add.Value("--commit", arguments->commit, "what was measured (default: this program's commit)");
+  add.Value("--time", arguments->time, "when, 2026-01-31T02:00:00Z (default: now)");
+  AddDatabase(add, *arguments);
+  add.Examples("  dynoproof history add out/nightly/run.json out/nightly/bench.json out/nightly/budgets.json");
+  add.Runs([arguments] { return Add(*arguments); });
+  Command show = command.Subcommand("show", "the newest value and course of every series");
+  show.Value("--series", arguments->series, "only those with this text in their name");
+  show.Value("--last", arguments->last, "nights in the little curves").ShowsDefault();
+  AddDatabase(show, *arguments);
+  AddWatch(show, *arguments);
+  show.Examples("  dynoproof history show --series suppression/adaptive --html out/trend.html");
+  show.Runs([arguments] { return Show(*arguments); });
+  Command check = command.Subcommand(
       "check",
       "find level changes; ends with 1 (a score is worse, a reading is missing), 5 (a cost is), 4 (nothing compared)");
-  AddDatabase(*check, *arguments);
-  AddWatch(*check, *arguments);
-  AddExamples(*check, "  dynoproof history check --html out/trend.html --json -");
-  check->callback([arguments, &exit] { exit = Check(*arguments); });
+  AddDatabase(check, *arguments);
+  AddWatch(check, *arguments);
+  check.Examples("  dynoproof history check --html out/trend.html --json -");
+  check.Runs([arguments] { return Check(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -217,35 +217,32 @@ int Identify(const IdentifyArguments& arguments) {
 
 }  // namespace
 
-void AddIdentify(CLI::App& program, int& exit) {
+void AddIdentify(Command program) {
+  std::vector<std::string> methods;
+  for (const auto& [name, method] : identification::Methods()) methods.push_back(name);
   auto arguments = std::make_shared<IdentifyArguments>();
-  CLI::App* command = program.add_subcommand("identify", "fit numbers of a scenario to records");
-  command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--data", arguments->data, "record (CSV, HDF5, MAT); may be given several times")
-      ->required()
-      ->allow_extra_args(false);
-  command->add_option("--map", arguments->maps, "which column is which signal; one for all, or one each")
-      ->allow_extra_args(false);
-  command->add_option("--free", arguments->free, "KEY,...: dotted paths of the numbers to fit")
-      ->required()
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command
-      ->add_option("--bound", arguments->bounds, "KEY=LOW:HIGH: starts lie anywhere within; without, a decade around")
-      ->allow_extra_args(false);
-  command->add_option("--method", arguments->method, HelpOfMethods())->check(CLI::IsMember(identification::Methods()));
-  command->add_option("--out", arguments->out, "write the scenario with these numbers to this file");
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  command->add_option("--starts", arguments->starts, "points to start from")->check(CLI::Range(1, 100));
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof identify diagnose/r2r_soft --data record.csv --free "
-              "plant.inertia.I5,plant.shaft.k4.stiffness_Nm_per_rad\n"
-              "  dynoproof identify diagnose/r2r_soft --data record.csv --free plant.inertia.I4,plant.inertia.I5 "
-              "--bound plant.inertia.I4=0.01:10 --bound plant.inertia.I5=0.01:10 --method spectrum --starts 8 "
-              "--out found.toml");
-  command->callback([arguments, &exit] { exit = Identify(*arguments); });
+  Command command = program.Subcommand("identify", "fit numbers of a scenario to records");
+  command.Value("scenario", arguments->scenario, "id or file").Required();
+  command.Value("--data", arguments->data, "record (CSV, HDF5, MAT); may be given several times").Required().OneWord();
+  command.Value("--map", arguments->maps, "which column is which signal; one for all, or one each").OneWord();
+  command.Value("--free", arguments->free, "KEY,...: dotted paths of the numbers to fit")
+      .Required()
+      .SplitAtCommas()
+      .OneWord();
+  command.Value("--bound", arguments->bounds, "KEY=LOW:HIGH: starts lie anywhere within; without, a decade around")
+      .OneWord();
+  command.Value("--method", arguments->method, HelpOfMethods()).OneOf(methods);
+  command.Value("--out", arguments->out, "write the scenario with these numbers to this file");
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Value("--starts", arguments->starts, "points to start from").Within(1, 100);
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof identify diagnose/r2r_soft --data record.csv --free "
+      "plant.inertia.I5,plant.shaft.k4.stiffness_Nm_per_rad\n"
+      "  dynoproof identify diagnose/r2r_soft --data record.csv --free plant.inertia.I4,plant.inertia.I5 "
+      "--bound plant.inertia.I4=0.01:10 --bound plant.inertia.I5=0.01:10 --method spectrum --starts 8 "
+      "--out found.toml");
+  command.Runs([arguments] { return Identify(*arguments); });
 }
 
 }  // namespace dynoproof::app

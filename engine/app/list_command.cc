@@ -279,43 +279,42 @@ int Validate(const Common& common, const std::vector<std::string>& names) {
 
 }  // namespace
 
-void AddList(CLI::App& program, int& exit) {
+void AddList(Command program) {
   auto common = std::make_shared<Common>();
-  CLI::App* command = program.add_subcommand("list", "scenarios, plugins, effects, checks, with a line each");
-  AddCommon(*command, *common);
-  AddExamples(*command, "  dynoproof list\n  dynoproof list --json -");
-  command->callback([common, &exit] { exit = List(*common); });
+  Command command = program.Subcommand("list", "scenarios, plugins, effects, checks, with a line each");
+  AddCommon(command, *common);
+  command.Examples("  dynoproof list\n  dynoproof list --json -");
+  command.Runs([common] { return List(*common); });
 }
 
-void AddDescribe(CLI::App& program, int& exit) {
+void AddDescribe(Command program) {
   struct Arguments {
     Common common;
     std::string name;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
+  Command command = program.Subcommand(
       "describe",
       "a plugin, effect, check or scenario: law, parameters, ports, source; or `map`: the keys of a map file");
-  command->add_option("name", arguments->name, "its name")->required();
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof describe drive_line\n  dynoproof describe coulomb_friction\n  dynoproof describe "
-              "r2r/soft_rotor_setup_1\n  dynoproof describe map");
-  command->callback([arguments, &exit] { exit = Describe(arguments->common, arguments->name); });
+  command.Value("name", arguments->name, "its name").Required();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof describe drive_line\n  dynoproof describe coulomb_friction\n  dynoproof describe "
+      "r2r/soft_rotor_setup_1\n  dynoproof describe map");
+  command.Runs([arguments] { return Describe(arguments->common, arguments->name); });
 }
 
-void AddValidate(CLI::App& program, int& exit) {
+void AddValidate(Command program) {
   struct Arguments {
     Common common;
     std::vector<std::string> files;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("validate", "every fault of every file: file:line:column, with a suggestion");
-  command->add_option("files", arguments->files, "files, ids or folders")->required();
-  AddCommon(*command, arguments->common);
-  AddExamples(*command, "  dynoproof validate my_line.toml\n  dynoproof validate scenarios/");
-  command->callback([arguments, &exit] { exit = Validate(arguments->common, arguments->files); });
+  Command command = program.Subcommand("validate", "every fault of every file: file:line:column, with a suggestion");
+  command.Value("files", arguments->files, "files, ids or folders").Required();
+  AddCommon(command, arguments->common);
+  command.Examples("  dynoproof validate my_line.toml\n  dynoproof validate scenarios/");
+  command.Runs([arguments] { return Validate(arguments->common, arguments->files); });
 }
 
 }  // namespace dynoproof::app

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -37,29 +38,30 @@ int main(int argc, char** argv) {
     _exit(app::kBroken);
   });
   int exit = app::kGood;
-  app::AddRun(program, exit);
-  app::AddModes(program, exit);
+  const app::Command all(&program, &exit);
+  app::AddRun(all);
+  app::AddModes(all);
 #ifdef DYNOPROOF_THESIS
-  app::AddCoupling(program, exit);
-  app::AddReproduce(program, exit);
+  app::AddCoupling(all);
+  app::AddReproduce(all);
   identification::AddTwoStage();
 #endif
-  app::AddCompare(program, exit);
-  app::AddCheckData(program, exit);
-  app::AddIdentify(program, exit);
-  app::AddDiagnose(program, exit);
-  app::AddBench(program, exit);
-  app::AddHistory(program, exit);
-  app::AddSweep(program, exit);
-  app::AddProbe(program, exit);
-  app::AddReduce(program, exit);
-  app::AddBisect(program, exit);
-  app::AddBless(program, exit);
-  app::AddList(program, exit);
-  app::AddDescribe(program, exit);
-  app::AddValidate(program, exit);
-  app::AddNew(program, exit);
-  app::AddExport(program, exit);
+  app::AddCompare(all);
+  app::AddCheckData(all);
+  app::AddIdentify(all);
+  app::AddDiagnose(all);
+  app::AddBench(all);
+  app::AddHistory(all);
+  app::AddSweep(all);
+  app::AddProbe(all);
+  app::AddReduce(all);
+  app::AddBisect(all);
+  app::AddBless(all);
+  app::AddList(all);
+  app::AddDescribe(all);
+  app::AddValidate(all);
+  app::AddNew(all);
+  app::AddExport(all);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -33,7 +33,7 @@ std::optional<MeasuredCase> LoadMeasured(const std::string& scenario, const std:
 Start BeginAsRecorded(const Plan& plan, const Registry& registry, MappedRecord& record);
 
 /// The commands themselves.
-void AddCheckData(CLI::App& program, int& exit);
-void AddIdentify(CLI::App& program, int& exit);
+void AddCheckData(Command program);
+void AddIdentify(Command program);
 
 }  // namespace dynoproof::app

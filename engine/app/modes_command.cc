@@ -129,23 +129,21 @@ int Run(const Common& common, const std::string& name, const std::vector<std::st
 
 }  // namespace
 
-void AddModes(CLI::App& program, int& exit) {
+void AddModes(Command program) {
   struct Arguments {
     Common common;
     std::string name;
     std::vector<std::string> overrides;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      program.add_subcommand("modes", "eigenfrequencies, damping, energies, practical resonances, zeros");
-  command->add_option("scenario", arguments->name, "id or file")->required();
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof modes r2r/soft_rotor_setup_1\n"
-              "  dynoproof modes heavy_duty/alternative_setup_1 --set plant.inertia.I5=0.33 --json -");
-  command->callback([arguments, &exit] { exit = Run(arguments->common, arguments->name, arguments->overrides); });
+  Command command = program.Subcommand("modes", "eigenfrequencies, damping, energies, practical resonances, zeros");
+  command.Value("scenario", arguments->name, "id or file").Required();
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof modes r2r/soft_rotor_setup_1\n"
+      "  dynoproof modes heavy_duty/alternative_setup_1 --set plant.inertia.I5=0.33 --json -");
+  command.Runs([arguments] { return Run(arguments->common, arguments->name, arguments->overrides); });
 }
 
 }  // namespace dynoproof::app

@@ -196,24 +196,24 @@ int NewMap(const Common& common, const std::string& record_file, const std::stri
 
 }  // namespace
 
-void AddNew(CLI::App& program, int& exit) {
+void AddNew(Command program) {
   struct Arguments {
     Common common;
     std::string what, name, scenario;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand("new", "a template that already runs and passes, or builds and loads");
-  command->add_option("what", arguments->what, "scenario, law, effect, check, project or map")
-      ->required()
-      ->check(CLI::IsMember({"scenario", "law", "effect", "check", "project", "map"}));
-  command->add_option("name", arguments->name, "its name; of a map the record")->required();
-  command->add_option("--scenario", arguments->scenario, "of a map: whose signals the record holds");
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new check calm\n"
-              "  dynoproof new project pumps\n  dynoproof new map bench_17.csv --scenario my_line.toml");
-  command->callback([arguments, &exit] {
-    exit = arguments->what == "map" ? NewMap(arguments->common, arguments->name, arguments->scenario)
+  Command command = program.Subcommand("new", "a template that already runs and passes, or builds and loads");
+  command.Value("what", arguments->what, "scenario, law, effect, check, project or map")
+      .Required()
+      .OneOf({"scenario", "law", "effect", "check", "project", "map"});
+  command.Value("name", arguments->name, "its name; of a map the record").Required();
+  command.Value("--scenario", arguments->scenario, "of a map: whose signals the record holds");
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof new scenario my_line\n  dynoproof new law soft_stop\n  dynoproof new check calm\n"
+      "  dynoproof new project pumps\n  dynoproof new map bench_17.csv --scenario my_line.toml");
+  command.Runs([arguments] {
+    return arguments->what == "map" ? NewMap(arguments->common, arguments->name, arguments->scenario)
                                     : New(arguments->common, arguments->what, arguments->name);
   });
 }

@@ -26,7 +26,7 @@ struct ProbeArguments {
   Common common;
   std::string scenario, html, resume, write;
   std::vector<std::string> overrides, without, effects, see;
-  unsigned jobs = 0;
+  int jobs = 0;  // 0: one a core
 };
 
 /// A fingerprint of all that findings depend on: the scenario, the program, its solver and --without. A file of --resume that
@@ -183,7 +183,8 @@ int Probe(const ProbeArguments& arguments) {
                ? std::string("nothing is kept: --resume FILE would keep what is found")
                : fmt::format("what was found is in {}: the same command goes on", arguments.resume);
   });
-  probe::Options options{.without = arguments.without, .effects = arguments.effects, .threads = arguments.jobs};
+  probe::Options options{
+      .without = arguments.without, .effects = arguments.effects, .threads = static_cast<unsigned>(arguments.jobs)};
   // A change that --see asks about is probed although --effects does not name it.
   if (!options.effects.empty()) options.effects.insert(options.effects.end(), names.begin(), names.end());
   options.known = kept.findings;
@@ -227,37 +228,33 @@ int Probe(const ProbeArguments& arguments) {
 
 }  // namespace
 
-void AddProbe(CLI::App& program, int& exit) {
+void AddProbe(Command program) {
   auto arguments = std::make_shared<ProbeArguments>();
-  CLI::App* command = program.add_subcommand("probe", "what the checks of a scenario would not see");
-  command->description(
+  Command command = program.Subcommand("probe", "what the checks of a scenario would not see");
+  command.Describe(
       "What the checks of a scenario would not see: every effect at every place, turned signs and dropped terms, each "
       "at the\n"
       "strength from which a check fails. Checks whose reference comes from the same plan (solvers, oracle) are not "
       "asked.");
-  command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
+  command.Value("scenario", arguments->scenario, "id or file").Required();
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
   command
-      ->add_option(
-          "--without", arguments->without,
-          "kinds of checks that are not asked, or record; golden: what a wrong run would hide once it is blessed")
-      ->delimiter(',');
-  command->add_option("--effects", arguments->effects, "these changes alone")->delimiter(',');
-  command->add_option("--see", arguments->see, "CHANGE[=STRENGTH]: exit 1 unless it is seen wherever it can be")
-      ->allow_extra_args(false);
-  command->add_option("--jobs", arguments->jobs, "runs at a time (default: one a core)")->check(CLI::Range(1, 1024));
-  command->add_option("--resume", arguments->resume, "keep findings in this file as they come, and go on from there")
-      ->check(NamesFile());
-  command->add_option("--write", arguments->write, "write the lines of TOML that would see what passes")
-      ->check(NamesFile());
-  command->add_option("--html", arguments->html, "write the page: a map of changes over places")->check(NamesFile());
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof probe r2r/soft_rotor_setup_1\n"
-              "  dynoproof probe line.toml --without golden --html out/probe.html\n"
-              "  dynoproof probe line.toml --see stiffness_change=5% --see turned_sign");
-  command->callback([arguments, &exit] { exit = Probe(*arguments); });
+      .Value("--without", arguments->without,
+             "kinds of checks that are not asked, or record; golden: what a wrong run would hide once it is blessed")
+      .SplitAtCommas();
+  command.Value("--effects", arguments->effects, "these changes alone").SplitAtCommas();
+  command.Value("--see", arguments->see, "CHANGE[=STRENGTH]: exit 1 unless it is seen wherever it can be").OneWord();
+  command.Value("--jobs", arguments->jobs, "runs at a time (default: one a core)").Within(1, 1024);
+  command.Value("--resume", arguments->resume, "keep findings in this file as they come, and go on from there")
+      .NamesFile();
+  command.Value("--write", arguments->write, "write the lines of TOML that would see what passes").NamesFile();
+  command.Value("--html", arguments->html, "write the page: a map of changes over places").NamesFile();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof probe r2r/soft_rotor_setup_1\n"
+      "  dynoproof probe line.toml --without golden --html out/probe.html\n"
+      "  dynoproof probe line.toml --see stiffness_change=5% --see turned_sign");
+  command.Runs([arguments] { return Probe(*arguments); });
 }
 
 }  // namespace dynoproof::app

@@ -241,33 +241,31 @@ int Reduce(const ReduceArguments& arguments) {
 
 }  // namespace
 
-void AddReduce(CLI::App& program, int& exit) {
+void AddReduce(Command program) {
   auto arguments = std::make_shared<ReduceArguments>();
-  CLI::App* command = program.add_subcommand("reduce", "the smallest scenario that still fails the same check");
-  command->add_option("scenario", arguments->scenario, "id or file")->required();
-  command->add_option("--check", arguments->check, "name of the failing check, or its kind (default: the worst)");
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  command->add_option("--sound", arguments->sound,
-                      "a program that passes the check, as the last release: it must pass what is left, too");
-  CLI::Option* data = command->add_option("--data", arguments->data,
-                                          "a record with which `run --data` falls short or of which `check-data` says "
-                                          "a fault: its shortest cut that still does");
-  command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)")->needs(data);
-  command->add_option("--out", arguments->out, "what is left (default reduced.toml, with --data reduced.csv)")
-      ->check(NamesFile());
-  command->add_option("--most-runs", arguments->most_runs, "what is left after so many runs stands (default 100)")
-      ->check(CLI::Range(1, 100000));
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof reduce line.toml\n"
-              "  dynoproof reduce line.toml --sound /usr/bin/dynoproof\n"
-              "  dynoproof reduce line.toml --data bench.csv --map bench.map.toml --check \"nrmse T_shaft\"\n"
-              "  dynoproof reduce backlash/clamped --check \"solvers T_shaft\" --out small.toml");
-  command->callback([arguments, &exit] {
+  Command command = program.Subcommand("reduce", "the smallest scenario that still fails the same check");
+  command.Value("scenario", arguments->scenario, "id or file").Required();
+  command.Value("--check", arguments->check, "name of the failing check, or its kind (default: the worst)");
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Value("--sound", arguments->sound,
+                "a program that passes the check, as the last release: it must pass what is left, too");
+  const Option data = command.Value("--data", arguments->data,
+                                    "a record with which `run --data` falls short or of which `check-data` says "
+                                    "a fault: its shortest cut that still does");
+  command.Value("--map", arguments->map, "which column of --data is which signal (TOML)").Needs(data);
+  command.Value("--out", arguments->out, "what is left (default reduced.toml, with --data reduced.csv)").NamesFile();
+  command.Value("--most-runs", arguments->most_runs, "what is left after so many runs stands (default 100)")
+      .Within(1, 100000);
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof reduce line.toml\n"
+      "  dynoproof reduce line.toml --sound /usr/bin/dynoproof\n"
+      "  dynoproof reduce line.toml --data bench.csv --map bench.map.toml --check \"nrmse T_shaft\"\n"
+      "  dynoproof reduce backlash/clamped --check \"solvers T_shaft\" --out small.toml");
+  command.Runs([arguments] {
     const bool record = !arguments->data.empty();
     if (arguments->out.empty()) arguments->out = record ? "reduced.csv" : "reduced.toml";
-    exit = record ? ReduceRecord({arguments->scenario, arguments->data, arguments->map, arguments->check,
+    return record ? ReduceRecord({arguments->scenario, arguments->data, arguments->map, arguments->check,
                                   arguments->out, arguments->overrides, arguments->most_runs},
                                  arguments->common)
                   : Reduce(*arguments);

@@ -7,13 +7,13 @@
 #include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 
 #include "app/apart.h"
 #include "app/app.h"
 #include "app/interruption.h"
 #include "app/measured.h"
+#include "base/calendar.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "estimation/horizon.h"
@@ -268,45 +268,40 @@ int Run(const RunArguments& arguments) {
 
 }  // namespace
 
-void AddRun(CLI::App& program, int& exit) {
+void AddRun(Command program) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* command = program.add_subcommand("run", "run scenarios and score them (physics only; timing: bench)");
-  command->add_option("scenarios", arguments->names, "ids, files or folders; none: all");
-  command->add_option("--solver", arguments->solver, "realtime or reference, instead of the scenario's own")
-      ->check(CLI::IsMember({"realtime", "reference"}));
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  command->add_option("--jobs", arguments->jobs, "scenarios at a time")->check(CLI::Range(1, 1024));
-  command->add_option("--most-seconds", arguments->limits.most_seconds, "a scenario that takes longer is broken")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--most-memory", arguments->limits.most_memory_MB, "MB: a scenario that asks for more is broken")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--out", arguments->out, "folder of traces (default out)");
-  command->add_option("--golden", arguments->golden,
-                      "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
-  command->add_option("--junit", arguments->junit, "write JUnit XML")->check(NamesFile());
-  command->add_option("--markdown", arguments->markdown, "write a Markdown summary")->check(NamesFile());
-  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network")
-      ->check(NamesFile());
-  command->add_option("--data", arguments->data,
-                      "drive the inputs with this record (CSV, HDF5, MAT) and compare its outputs");
+  Command command = program.Subcommand("run", "run scenarios and score them (physics only; timing: bench)");
+  command.Value("scenarios", arguments->names, "ids, files or folders; none: all");
+  command.Value("--solver", arguments->solver, "realtime or reference, instead of the scenario's own")
+      .OneOf({"realtime", "reference"});
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Value("--jobs", arguments->jobs, "scenarios at a time").Within(1, 1024);
+  command.Value("--most-seconds", arguments->limits.most_seconds, "a scenario that takes longer is broken")
+      .NotNegative();
+  command.Value("--most-memory", arguments->limits.most_memory_MB, "MB: a scenario that asks for more is broken")
+      .NotNegative();
+  command.Value("--out", arguments->out, "folder of traces (default out)");
+  command.Value("--golden", arguments->golden,
+                "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
+  command.Value("--junit", arguments->junit, "write JUnit XML").NamesFile();
+  command.Value("--markdown", arguments->markdown, "write a Markdown summary").NamesFile();
+  command.Value("--html", arguments->html, "write the report: one page with pictures that needs no network")
+      .NamesFile();
+  command.Value("--data", arguments->data,
+                "drive the inputs with this record (CSV, HDF5, MAT) and compare its outputs");
   command
-      ->add_option("--today", arguments->today,
-                   "2026-01-31: decide on the accepted gaps of [record] as on that day (default: the clock's)")
-      ->check(CLI::Validator(
-          [](const std::string& day) {
-            return std::regex_match(day, std::regex(R"(\d{4}-\d\d-\d\d)")) ? "" : "write 2026-01-31, not " + day;
-          },
-          "DAY"));
-  command->add_option("--map", arguments->map, "which column of --data is which signal (TOML)");
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof run r2r/soft_rotor_setup_1\n"
-              "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
-              "  dynoproof run backlash/experiment_1 --html out/report.html\n"
-              "  dynoproof run diagnose/heavy_duty_lumped --set run.duration_s=0.5 --solver reference\n"
-              "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");
-  command->callback([arguments, &exit] { exit = Run(*arguments); });
+      .Value("--today", arguments->today,
+             "2026-01-31: decide on the accepted gaps of [record] as on that day (default: the clock's)")
+      .Checked([](const std::string& day) { return IsDay(day) ? "" : "write 2026-01-31, not " + day; }, "DAY");
+  command.Value("--map", arguments->map, "which column of --data is which signal (TOML)");
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof run r2r/soft_rotor_setup_1\n"
+      "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
+      "  dynoproof run backlash/experiment_1 --html out/report.html\n"
+      "  dynoproof run diagnose/heavy_duty_lumped --set run.duration_s=0.5 --solver reference\n"
+      "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");
+  command.Runs([arguments] { return Run(*arguments); });
 }
 
 }  // namespace dynoproof::app

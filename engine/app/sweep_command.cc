@@ -352,29 +352,29 @@ int Sweep(const SweepArguments& arguments) {
 
 }  // namespace
 
-void AddSweep(CLI::App& program, int& exit) {
+void AddSweep(Command program) {
   auto arguments = std::make_shared<SweepArguments>();
-  CLI::App* command = program.add_subcommand("sweep", "a campaign: one scenario, many variations, one table");
-  command->add_option("campaign", arguments->campaign, "campaign file (TOML)")->required();
-  command->add_option("--jobs", arguments->jobs, "runs at a time (default: one a core)")->check(CLI::Range(1, 1024));
-  command->add_option("--executor", arguments->executor, "local: this machine; slurm: array tasks by sbatch")
-      ->check(CLI::IsMember({"local", "slurm"}));
-  command->add_option("--out", arguments->out, "results go to a folder named after the campaign in here (default out)");
-  command->add_flag("--resume", arguments->resume, "make only what is missing there");
-  command->add_option("--run", arguments->run, "make this run alone and show it")->check(CLI::NonNegativeNumber);
-  command->add_option("--html", arguments->html, "write the report: one page with pictures that needs no network")
-      ->check(NamesFile());
+  Command command = program.Subcommand("sweep", "a campaign: one scenario, many variations, one table");
+  command.Value("campaign", arguments->campaign, "campaign file (TOML)").Required();
+  command.Value("--jobs", arguments->jobs, "runs at a time (default: one a core)").Within(1, 1024);
+  command.Value("--executor", arguments->executor, "local: this machine; slurm: array tasks by sbatch")
+      .OneOf({"local", "slurm"});
+  command.Value("--out", arguments->out, "results go to a folder named after the campaign in here (default out)");
+  command.Flag("--resume", arguments->resume, "make only what is missing there");
+  command.Value("--run", arguments->run, "make this run alone and show it").NotNegative();
+  command.Value("--html", arguments->html, "write the report: one page with pictures that needs no network")
+      .NamesFile();
   // What an array task is called with.
-  command->add_option("--task", arguments->task)->group("");
-  command->add_option("--number", arguments->number)->group("");
-  command->add_option("--expect", arguments->expect)->group("");
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof sweep bench/campaigns/r2r_spread.toml\n"
-              "  dynoproof sweep my_campaign.toml --jobs 4 --out out/today --resume\n"
-              "  dynoproof sweep my_campaign.toml --executor slurm --out /shared/folder\n"
-              "  dynoproof sweep my_campaign.toml --run 17");
-  command->callback([arguments, &exit] { exit = Sweep(*arguments); });
+  command.Value("--task", arguments->task).Hidden();
+  command.Value("--number", arguments->number).Hidden();
+  command.Value("--expect", arguments->expect).Hidden();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof sweep bench/campaigns/r2r_spread.toml\n"
+      "  dynoproof sweep my_campaign.toml --jobs 4 --out out/today --resume\n"
+      "  dynoproof sweep my_campaign.toml --executor slurm --out /shared/folder\n"
+      "  dynoproof sweep my_campaign.toml --run 17");
+  command.Runs([arguments] { return Sweep(*arguments); });
 }
 
 }  // namespace dynoproof::app

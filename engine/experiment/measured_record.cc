@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 
+#include "base/calendar.h"
 #include "experiment/why.h"
 #include "score/nrmse.h"
 
@@ -56,8 +56,7 @@ std::string HashOf(const std::string& file) {
 }
 
 void AcceptedGap::Check(Faults& faults) const {
-  static const std::regex day(R"(\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01]))");
-  if (!std::regex_match(until, day)) faults.At("until", fmt::format("\"{}\" is no day", until), "write \"2026-12-31\"");
+  if (!IsDay(until)) faults.At("until", fmt::format("\"{}\" is no day", until), "write \"2026-12-31\"");
   if (reason.find_first_not_of(" \t\n") == std::string::npos) faults.At("reason", "is empty", "say why");
 }
 

@@ -72,7 +72,7 @@ TEST_P(Reference, HoldsToo) {
         << check.name << ": " << check.value << " of " << check.limit << ", " << check.explanation;
 }
 
-INSTANTIATE_TEST_SUITE_P(Slow, Reference, ::testing::ValuesIn(Shipped()), [](const auto& shipped) {
+INSTANTIATE_TEST_SUITE_P(Nightly, Reference, ::testing::ValuesIn(Shipped()), [](const auto& shipped) {
   std::string name = ScenarioId(shipped.param);
   std::replace_if(
       name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');

@@ -1,11 +1,11 @@
-// The commands of the program that belong to the thesis; each adds itself, `exit` is set by the one that runs.
+// The commands of the program that belong to the thesis; each adds itself.
 #pragma once
 
 #include "app/app.h"
 
 namespace dynoproof::app {
 
-void AddCoupling(CLI::App& program, int& exit);
-void AddReproduce(CLI::App& program, int& exit);
+void AddCoupling(Command program);
+void AddReproduce(Command program);
 
 }  // namespace dynoproof::app

@@ -126,22 +126,20 @@ int Run(const Arguments& arguments) {
 
 }  // namespace
 
-void AddCoupling(CLI::App& program, int& exit) {
+void AddCoupling(Command program) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
+  Command command = program.Subcommand(
       "coupling", "hydrodynamic coupling: choice of k_KV and c_KV, k(nu) and c(nu), fit to a data sheet");
-  command->add_option("scenario", arguments->name, "id or file of a drive line")->required();
-  command->add_option("--shaft", arguments->shaft, "name of the coupling's shaft")->capture_default_str();
-  command->add_option("--data", arguments->data, "data sheet: CSV with columns nu, k, c and a row of units");
-  command->add_option("--static-stiffness", arguments->static_stiffness, "k(0) [N m/rad] for the choice")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path")
-      ->allow_extra_args(false);
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof coupling coupling/startup_oil --static-stiffness 94e3\n"
-              "  dynoproof coupling coupling/startup_oil --data scenarios/coupling/assumed_data_sheet.csv");
-  command->callback([arguments, &exit] { exit = Run(*arguments); });
+  command.Value("scenario", arguments->name, "id or file of a drive line").Required();
+  command.Value("--shaft", arguments->shaft, "name of the coupling's shaft").ShowsDefault();
+  command.Value("--data", arguments->data, "data sheet: CSV with columns nu, k, c and a row of units");
+  command.Value("--static-stiffness", arguments->static_stiffness, "k(0) [N m/rad] for the choice").Positive();
+  command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof coupling coupling/startup_oil --static-stiffness 94e3\n"
+      "  dynoproof coupling coupling/startup_oil --data scenarios/coupling/assumed_data_sheet.csv");
+  command.Runs([arguments] { return Run(*arguments); });
 }
 
 }  // namespace dynoproof::app

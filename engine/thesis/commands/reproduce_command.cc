@@ -232,31 +232,30 @@ int Run(const Common& common, const std::string& which, const std::string& html)
 
 }  // namespace
 
-void AddReproduce(CLI::App& program, int& exit) {
+void AddReproduce(Command program) {
   struct Arguments {
     Common common;
     std::string which = "all", html;
     bool coverage = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = program.add_subcommand(
+  Command command = program.Subcommand(
       "reproduce", "the claims of the thesis: what it says, an independent value, ours, what is allowed, standing");
-  CLI::Option* claim = command->add_option("claim", arguments->which, "a claim's id, or all");
-  CLI::Option* html =
-      command
-          ->add_option("--html", arguments->html, "write the atlas: claims and figures in one page without a network")
-          ->check(NamesFile());
+  const Option claim = command.Value("claim", arguments->which, "a claim's id, or all");
+  const Option html =
+      command.Value("--html", arguments->html, "write the atlas: claims and figures in one page without a network")
+          .NamesFile();
   command
-      ->add_flag("--coverage", arguments->coverage,
-                 "what of the thesis is here: each model, algorithm, experiment, figure and table, and how far")
-      ->excludes(claim)
-      ->excludes(html);
-  AddCommon(*command, arguments->common);
-  AddExamples(*command,
-              "  dynoproof reproduce all\n  dynoproof reproduce all --html out/atlas.html\n  dynoproof reproduce "
-              "B.1-numeric --json -\n  dynoproof reproduce --coverage");
-  command->callback([arguments, &exit] {
-    exit = arguments->coverage ? RunCoverage(arguments->common)
+      .Flag("--coverage", arguments->coverage,
+            "what of the thesis is here: each model, algorithm, experiment, figure and table, and how far")
+      .Excludes(claim)
+      .Excludes(html);
+  AddCommon(command, arguments->common);
+  command.Examples(
+      "  dynoproof reproduce all\n  dynoproof reproduce all --html out/atlas.html\n  dynoproof reproduce "
+      "B.1-numeric --json -\n  dynoproof reproduce --coverage");
+  command.Runs([arguments] {
+    return arguments->coverage ? RunCoverage(arguments->common)
                                : Run(arguments->common, arguments->which, arguments->html);
   });
 }
