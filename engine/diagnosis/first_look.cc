@@ -22,9 +22,9 @@ std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size
                          const std::vector<std::size_t>& order, const std::vector<Sketch>& sketches, std::size_t most) {
   const Estimate& estimate = null.levels[level];
   if (HasExcess(estimate, levels.data())) return most;
-  const double power = estimate.weighted.squaredNorm();  // of rows that noise alone makes about one each
+  const double squares = SquaresOf(null, level);  // of rows that noise alone makes about one each, and of deviations
   const auto chance =
-      std::ranges::find_if(order, [&](std::size_t i) { return sketches[i].removes * power < policy::kByChance; });
+      std::ranges::find_if(order, [&](std::size_t i) { return sketches[i].removes * squares < policy::kByChance; });
   return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast, most);
 }
 
@@ -93,9 +93,14 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
                            [&](std::size_t a, std::size_t b) { return sketches[a].removes > sketches[b].removes; });
   order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches, scope.most_fits)));
   std::vector<std::optional<Contestant>> seen(order.size());
+  // Where the null leaves nothing but noise, so does a candidate only once nominal values have given it back what they had taken on: a
+  // fit that begins without that leads it back to nothing.
+  const bool swallowed = !HasExcess(null.levels[level], levels.data());
   in_parts(order.size(), kSketched, 1.0, [&](std::size_t i) {
-    const Sketch& sketch = sketches[order[i]];
-    seen[i] = FitOnce(candidates[order[i]].hypothesis, sketch.q, null, levels, level, scope.levels);
+    const Trial& candidate = candidates[order[i]];
+    VectorXd from = sketches[order[i]].q;
+    if (swallowed) from = screens.here.Followed(candidate, from, screens.here.Of(candidate, from));
+    seen[i] = FitOnce(candidate.hypothesis, std::move(from), null, levels, level, scope.levels);
   });
   for (std::optional<Contestant>& one : seen) {
     if (one && (one->Holds(level) || (scope.levels > 1 && one->Holds(level + 1))))

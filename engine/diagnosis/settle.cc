@@ -76,6 +76,12 @@ bool LeavesFarMore(const std::vector<HeldOut>& held_out, std::size_t i, std::siz
   return own && other && !own->exact && own->log_excess > other->log_excess + std::log(policy::kMarginBest);
 }
 
+/// Whether the nominal values of a model are so much nearer to their priors than those of another one that is exact, too.
+bool IsMorePlausible(const Contestant& one, const Contestant& other, std::size_t level) {
+  return other.Holds(level) && IsExact(other.levels[level]) &&
+         OffNominal(other, level) - OffNominal(one, level) >= policy::kImplausible;
+}
+
 std::string Listed(const Contest& contest, const std::vector<std::size_t>& which) {
   std::string text;
   for (const std::size_t i : which) text += (text.empty() ? "" : ", ") + contest.contestants[i].Name();
@@ -129,11 +135,13 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
     const std::optional<double> elsewhere = HeldOutShare(held_out, i, level);
     settled.journal.push_back(EntryOf(contest, levels, weights, beats, level, i));
     if (elsewhere) settled.journal.back().numbers.emplace_back("held_out_share", *elsewhere);
-    bool stands = beats(i, 0) && ShareAt(contest, levels, i, level) >= policy::kShare &&
-                  IsExact(all[i].levels[level]) && NamesSomething(all[i], level);
+    // Where the null leaves nothing but noise itself, its nominal values may tell that it is not the truth.
+    const bool relieves = IsMorePlausible(all[i], all[0], level) && !beats(0, i);
+    const double share = relieves ? 1.0 : ShareAt(contest, levels, i, level);
+    bool stands = (relieves || beats(i, 0)) && share >= policy::kShare && IsExact(all[i].levels[level]) &&
+                  NamesSomething(all[i], level);
     for (std::size_t k = 1; k < all.size(); ++k) stands = stands && !(k != i && beats(k, i));
-    if (stands)
-      (HoldsElsewhere(held_out, i, level, ShareAt(contest, levels, i, level)) ? standing : only_here).push_back(i);
+    if (stands) (HoldsElsewhere(held_out, i, level, share) ? standing : only_here).push_back(i);
   }
   const auto by_share = [&](std::size_t a, std::size_t b) {
     return ShareAt(contest, levels, a, level) > ShareAt(contest, levels, b, level);
@@ -141,9 +149,8 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
   // The priors decide between two models that predict alike: one that needs nominal values far from their priors is removed.
   std::vector<std::size_t> implausible;
   for (const std::size_t i : standing) {
-    if (std::ranges::any_of(standing, [&](std::size_t k) {
-          return OffNominal(all[i], level) - OffNominal(all[k], level) >= policy::kImplausible && !beats(i, k);
-        }))
+    if (std::ranges::any_of(standing,
+                            [&](std::size_t k) { return IsMorePlausible(all[k], all[i], level) && !beats(i, k); }))
       implausible.push_back(i);
   }
   std::erase_if(standing, [&](std::size_t i) { return std::ranges::count(implausible, i) > 0; });

@@ -83,11 +83,20 @@ NotTestable Silence(const Trial& candidate) {
           "at no size that was tried does it move an output by a tenth of the noise"};
 }
 
+double SquaresOf(const Contestant& one, std::size_t level) {
+  return one.levels[level].weighted.squaredNorm() + OffNominal(one, level);
+}
+
 Screen::Screen(const Contestant& null, const estimation::Predictor& predictor, std::size_t level)
     : null_(null),
       predictor_(predictor),
       estimate_(null.levels[level]),
-      inverse_(estimation::CurvatureOf(estimate_, null.hypothesis)) {}
+      inverse_(estimation::CurvatureOf(estimate_, null.hypothesis)),
+      off_(estimate_.q) {
+  for (Index i = 0; i < off_.size(); ++i) {
+    if (!null.hypothesis.parameters()[static_cast<std::size_t>(i)].prior) off_[i] = 0.0;
+  }
+}
 
 MatrixXd Screen::InverseBeside(const Trial& candidate) const {
   const Index own = NumberChanged(candidate, null_.hypothesis);
@@ -113,33 +122,44 @@ Signature Screen::Of(const Trial& candidate, const VectorXd& q) const {
   WeighAs(estimate_, predictor_.data(), signature.change);
   const MatrixXd& J = estimate_.jacobian;
   signature.rest = signature.change;
-  if (J.cols() > 0) signature.rest -= J * (InverseBeside(candidate) * (J.transpose() * signature.change));
-  const double power = signature.rest.dot(signature.change), along = signature.rest.dot(estimate_.weighted);
+  double along = signature.change.dot(estimate_.weighted), own_off = 0.0;
+  if (J.cols() > 0) {
+    const VectorXd follow = InverseBeside(candidate) * (J.transpose() * signature.change);
+    signature.rest -= J * follow;
+    along -= follow.dot(J.transpose() * estimate_.weighted + off_);
+    if (const Index own = NumberChanged(candidate, null_.hypothesis); own >= 0) own_off = off_[own];
+  }
+  const double power = signature.rest.dot(signature.change);
   if (!(power > 0.0)) return signature;
   signature.size = along / power;
-  const double left = estimate_.weighted.squaredNorm();
-  signature.removes = left > 0.0 ? along * along / (power * left) : 0.0;
+  const double left = estimate_.weighted.squaredNorm() + off_.squaredNorm();
+  signature.removes = left > 0.0 ? (along * along / power + own_off * own_off) / left : 0.0;
   return signature;
 }
 
 double Screen::Removed(const Trial& candidate, const VectorXd& q, const Signature& signature) const {
   const double left = estimate_.weighted.squaredNorm();
   if (!(left > 0.0) || !signature.ran) return 0.0;
-  const VectorXd there = estimate_.weighted - signature.change;
-  double removed = 1.0 - there.squaredNorm() / left;
-  const MatrixXd& J = estimate_.jacobian;
-  if (J.cols() == 0) return std::max(0.0, removed);
-  VectorXd follows = estimate_.q - InverseBeside(candidate) * (J.transpose() * there);
-  follows = follows.cwiseMax(null_.hypothesis.lower()).cwiseMin(null_.hypothesis.upper());
-  VectorXd moved = StartFrom(candidate.hypothesis, null_.hypothesis, follows);
-  const auto count = static_cast<Index>(candidate.effect->info().parameters.size());
-  moved.segment(candidate.own(), count) = q.segment(candidate.own(), count);
-  Result<VectorXd> run = predictor_.Innovations(candidate.hypothesis.At(moved));
+  double removed = 1.0 - (estimate_.weighted - signature.change).squaredNorm() / left;
+  if (estimate_.jacobian.cols() == 0) return std::max(0.0, removed);
+  Result<VectorXd> run = predictor_.Innovations(candidate.hypothesis.At(Followed(candidate, q, signature)));
   if (run.ok()) {
     WeighAs(estimate_, predictor_.data(), *run);
     removed = std::max(removed, 1.0 - run->squaredNorm() / left);
   }
   return std::max(0.0, removed);
+}
+
+VectorXd Screen::Followed(const Trial& candidate, const VectorXd& q, const Signature& signature) const {
+  const MatrixXd& J = estimate_.jacobian;
+  if (J.cols() == 0 || !signature.ran) return q;
+  const VectorXd there = estimate_.weighted - signature.change;
+  VectorXd follows = estimate_.q - InverseBeside(candidate) * (J.transpose() * there + off_);
+  follows = follows.cwiseMax(null_.hypothesis.lower()).cwiseMin(null_.hypothesis.upper());
+  VectorXd moved = StartFrom(candidate.hypothesis, null_.hypothesis, follows);
+  const auto count = static_cast<Index>(candidate.effect->info().parameters.size());
+  moved.segment(candidate.own(), count) = q.segment(candidate.own(), count);
+  return moved;
 }
 
 Screens::Screens(const Contestant& null, const Levels& levels, std::size_t level) : here(null, levels[level], level) {

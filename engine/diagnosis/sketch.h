@@ -11,16 +11,21 @@
 
 namespace dynoproof::diagnosis {
 
-/// An effect as a column [rows]: `change` is how it moves the innovations of the null, weighted as these are, and `rest` the part of it
-/// that nominal values cannot make up for within their priors: rest = change - J (J'J + 1)^-1 J' change, J the null's columns but for
-/// the number that the effect changes itself. `size`: the factor at which it fits best,
-/// rest'e / rest'change; `removes`: of the null's squares, (rest'e)^2 / (rest'change e'e), linear; -1: the run breaks, or nothing is
-/// left of it. `moves`: the largest change of a channel, RMS over what noise alone causes there.
+/// An effect as a column [rows]: `change` is how it moves the innovations e of the null, weighted as these are, and `rest` the part of
+/// it that nominal values cannot make up for within their priors: rest = change - J H^-1 J' change, J the null's columns but for
+/// the number that the effect changes itself, H = J'J + 1. `size`: the factor at which it fits best, s = (change'e - (H^-1 J' change)'
+/// (J'e + q)) / rest'change, q the deviations of nominal values from their priors, which count as rows do (score test, Rao 1948).
+/// `removes`: of the null's squares, rows and deviations, s^2 rest'change / (e'e + q'q), linear, and the deviation of the number that
+/// the effect changes itself; -1: the run breaks, or nothing is left of it. `moves`: the largest change of a channel, RMS over what
+/// noise alone causes there.
 struct Signature {
   bool ran = false;
   double size = 0.0, removes = -1.0, moves = 0.0;
   Eigen::VectorXd change, rest;
 };
+
+/// The squares that a model leaves at a level: of its weighted innovations, and of what its nominal values are off.
+double SquaresOf(const Contestant& one, std::size_t level);
 
 /// The null at a level where it holds; both outlive it.
 class Screen {
@@ -29,9 +34,11 @@ class Screen {
 
   /// By one run. `q`: coordinates of the candidate's hypothesis, which is the null with one more effect.
   Signature Of(const Trial& candidate, const Eigen::VectorXd& q) const;
-  /// The share of the null's squares that it removes in a run in which nominal values have followed it by one step, within their
+  /// The share of the squares of the null's rows that it removes in a run in which nominal values have followed it by one step, within their
   /// bounds; not below that in the run without. `signature`: at q.
   double Removed(const Trial& candidate, const Eigen::VectorXd& q, const Signature& signature) const;
+  /// The candidate's numbers at q, and nominal values where they then go by one step, within their bounds.
+  Eigen::VectorXd Followed(const Trial& candidate, const Eigen::VectorXd& q, const Signature& signature) const;
 
  private:
   /// The inverse curvature of the null's numbers, without the one that a candidate changes itself: its row and column are 0.
@@ -41,6 +48,7 @@ class Screen {
   const estimation::Predictor& predictor_;
   const estimation::Estimate& estimate_;
   Eigen::MatrixXd inverse_;
+  Eigen::VectorXd off_;  // coordinates of the numbers that have a prior; 0: the others
 };
 
 /// A level and the next one: a strong correction leaves little of what only accumulates.

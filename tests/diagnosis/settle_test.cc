@@ -64,8 +64,9 @@ class SettleTest : public ::testing::Test {
     return estimate;
   }
 
-  /// The null leaves the whole course, or this share of it; the same on data that took no part.
-  Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0, double null_held_out = 1.0) const {
+  /// The null leaves the whole course, or this share of it; the same on data that took no part. Its nominal value is so far off.
+  Settled SettledOf(const std::vector<Left>& candidates, double null = 1.0, double null_held_out = 1.0,
+                    double null_off = 0.0) const {
     Contest& contest = contest_ = Contest();
     contest.released = false;
     std::vector<HeldOut> held_out;
@@ -82,7 +83,7 @@ class SettleTest : public ::testing::Test {
       contest.contestants.push_back(std::move(contestant));
     };
     const estimation::Hypothesis base = estimation::Hypothesis(plan_).WithNominalValuesFree(testing::BuiltIns());
-    add(base, {"", "", null, 0.0, null_held_out}, 0);
+    add(base, {.effect = "", .at = "", .share = null, .held_out = null_held_out, .off = null_off}, 0);
     int stream = 1;
     for (const Left& one : candidates)
       add(base.With(*testing::BuiltIns().FindEffect(one.effect), *ParsePlace(one.at), Magnitudes{}), one, stream++);
@@ -121,6 +122,21 @@ TEST_F(SettleTest, ANullThatLeavesNothingButNoiseHasNoCause) {
   const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", 0.0, 0.001, 1.0}, kFar}, 0.0);
   EXPECT_EQ(settled.verdict, Conclusion::kNoEffect) << settled.reason;
   EXPECT_TRUE(settled.causes.empty());
+}
+
+/// A null whose nominal values have swallowed an effect leaves nothing but noise, too.
+TEST_F(SettleTest, OfANullThatLeavesNothingButNoiseNominalValuesTellThatItIsNotTheTruth) {
+  const Left cause{"viscous_friction", "inertia:I5", 0.0, 0.001, 0.02};
+  EXPECT_EQ(SettledOf({cause, kFar}, 0.0, 0.02, 3.9).verdict, Conclusion::kNoEffect) << "nearly four deviations";
+  const Settled settled = SettledOf({cause, kFar}, 0.0, 0.02, 4.5);
+  EXPECT_EQ(settled.verdict, Conclusion::kEffectFound) << settled.reason;
+  EXPECT_EQ(settled.causes, std::vector<std::size_t>{1});
+  Left as_far = cause;
+  as_far.off = 4.4;
+  EXPECT_EQ(SettledOf({as_far, kFar}, 0.0, 0.02, 4.5).verdict, Conclusion::kNoEffect) << "its own are as far off";
+  Left worse = cause;
+  worse.held_out = 5.0;
+  EXPECT_NE(SettledOf({worse, kFar}, 0.0, 0.02, 4.5).verdict, Conclusion::kEffectFound) << "and it predicts less";
 }
 
 TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
