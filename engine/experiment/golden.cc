@@ -251,17 +251,20 @@ std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan
   return checks;
 }
 
-std::optional<Value> BlessedScenario(const GoldenPlace& place) {
+Result<std::optional<Value>> BlessedScenario(const GoldenPlace& place) {
+  std::error_code error;
+  if (!fs::exists(TraceOf(place), error)) return std::optional<Value>();
   const Result<trace::Trace> golden = trace::ReadTrace(TraceOf(place));
-  return golden.ok() ? FromToml(golden->scenario) : std::nullopt;
+  if (!golden.ok()) return golden.failure();
+  return FromToml(golden->scenario);
 }
 
 std::vector<std::string> ChangedSinceBlessed(const GoldenPlace& place, const Plan& plan) {
-  std::optional<Value> was = BlessedScenario(place);
-  if (!was) return {};
-  Value is = plan.root;
-  for (const char* key : {"title", "source", "check", "budget", "format"}) was->Erase(key), is.Erase(key);
-  return ChangesBetween(*was, is);
+  const Result<std::optional<Value>> blessed = BlessedScenario(place);
+  if (!blessed.ok() || !*blessed) return {};
+  Value was = **blessed, is = plan.root;
+  for (const char* key : {"title", "source", "check", "budget", "format"}) was.Erase(key), is.Erase(key);
+  return ChangesBetween(was, is);
 }
 
 Result<std::string> KeepGolden(const GoldenPlace& place, bool fell_short, const std::string& trace_file,

@@ -59,8 +59,9 @@ bool IsGoldenPair(const GoldenTolerances& tolerances, const std::string& trace_f
 /// one of the tolerance file, is a failed check.
 std::vector<score::Check> CompareWithGolden(const GoldenPlace& place, const Plan& plan, const trace::Trace& run);
 
-/// The scenario that the golden trace holds; nothing where there is none that can be read.
-std::optional<Value> BlessedScenario(const GoldenPlace& place);
+/// The scenario that the golden trace holds; nothing where there is no such file, or none in it. A file that cannot be read, be it
+/// for want of memory, is a failure: who asks whether there is one must not take it for none.
+Result<std::optional<Value>> BlessedScenario(const GoldenPlace& place);
 
 /// Each value in which the plan differs from the scenario that the golden trace holds: "plant.inertia.I4 = 0.1507 (was 0.137)".
 /// Checks, budgets, title and source are not compared. Empty where there is no golden trace that can be read.

@@ -29,10 +29,10 @@ std::optional<Eigen::VectorXd> FrequenciesOf(const Rig& rig) {
 std::string MovedModes(const Prepared& prepared) {
   constexpr double kMoved = 5e-4;  // relative: what four digits show
   constexpr int kSaid = 4;
-  std::optional<Value> blessed = BlessedScenario(prepared.golden);
-  if (!blessed) return "";
+  const Result<std::optional<Value>> blessed = BlessedScenario(prepared.golden);
+  if (!blessed.ok() || !*blessed) return "";
   Plan plan = prepared.plan;
-  plan.root = *std::move(blessed);
+  plan.root = **blessed;
   Diagnostics ignored;  // what cannot be built says nothing
   const std::unique_ptr<Rig> rig = Rig::Build(plan, *prepared.registry, *prepared.records, ignored);
   if (rig == nullptr || ignored.has_errors()) return "";

@@ -43,7 +43,9 @@ class Reducer {
     reduced.values_before = ValuesOf(plan_.root);
     reduced.seconds_before = Seconds();
     const bool golden = symptom_.check.stated == GoldenCheck::kName;
-    if (golden && !FindReference()) {
+    const Result<std::optional<Value>> blessed = BlessedScenario(GoldenPlaceOf(plan_));
+    if (!blessed.ok()) return blessed.failure();
+    if (golden && !FindReference(*blessed)) {
       steps_.push_back(
           {"nothing but time: this program gives another trace than the golden one for the scenario that was blessed",
            reduced.lines_before, reduced.seconds_before});
@@ -51,7 +53,7 @@ class Reducer {
       return Done(std::move(reduced));
     }
     if (golden) last_ = symptom_.check;
-    if (!golden) FindGood();
+    if (!golden) FindGood(*blessed);
     KeepItsChecks();
     Shorten();
     // What one group has taken out may let go of what an earlier one could not.
@@ -91,14 +93,13 @@ class Reducer {
 
   /// What the run of a golden check is compared with, as long as that shows what the check says: the run of the blessed scenario by
   /// this program, or that of the present one by the other program.
-  bool FindReference() {
-    const GoldenPlace place = GoldenPlaceOf(plan_);
-    const Result<GoldenTolerances> tolerances = ReadTolerances(place.tolerances);
+  bool FindReference(const std::optional<Value>& blessed) {
+    const Result<GoldenTolerances> tolerances = ReadTolerances(GoldenPlaceOf(plan_).tolerances);
     if (!tolerances.ok()) return false;
     tolerances_ = tolerances->For(plan_.root.TextOr("run.solver", "realtime"));
-    if (std::optional<Value> root = BlessedScenario(place)) {
+    if (blessed) {
       was_ = plan_;
-      was_->root = *std::move(root);
+      was_->root = *blessed;
       if (ShowsSame()) return true;
       was_.reset();
     }
@@ -124,12 +125,12 @@ class Reducer {
 
   /// Of another check than a golden one: the scenario without what --set says, or as it was blessed, where it passes there. It loses
   /// the same, and must go on passing.
-  void FindGood() {
+  void FindGood(const std::optional<Value>& blessed) {
     std::vector<Plan> candidates;
     if (options_.good) candidates.push_back(*options_.good);
-    if (std::optional<Value> root = BlessedScenario(GoldenPlaceOf(plan_))) {
+    if (blessed) {
       candidates.push_back(plan_);
-      candidates.back().root = *std::move(root);
+      candidates.back().root = *blessed;
       // Checks are those of today.
       if (const Value* checks = plan_.root.Find("check")) candidates.back().root["check"] = *checks;
     }

@@ -194,6 +194,21 @@ TEST_F(GoldenFiles, BelongTogether) {
   EXPECT_THAT(why, HasSubstr("SHA-256 differs"));
 }
 
+/// Who reduces a scenario beside the blessed one would go on without it, and say that it is another one.
+TEST_F(GoldenFiles, AScenarioThatCannotBeReadIsNotTakenForNone) {
+  const Result<std::optional<Value>> missing = BlessedScenario(place());
+  ASSERT_TRUE(missing.ok()) << missing.failure().ToString();
+  EXPECT_FALSE(missing->has_value());
+  trace::Trace run = By("realtime", 0.0);
+  run.scenario = "title = \"sine\"\n";
+  ASSERT_FALSE(trace::WriteTrace(folder_ / "golden/sine.h5", run));
+  const Result<std::optional<Value>> blessed = BlessedScenario(place());
+  ASSERT_TRUE(blessed.ok() && blessed->has_value());
+  EXPECT_EQ((*blessed)->TextOr("title", ""), "sine");
+  folder_.Write("golden/sine.h5", "no trace");
+  EXPECT_FALSE(BlessedScenario(place()).ok());
+}
+
 TEST_F(GoldenFiles, AFaultyToleranceFileIsNotOverwritten) {
   const std::string file =
       folder_.Write("golden/sine.toml", "[signal.T]\nrelative_width = 1e-3\norigin = \"mine\"\nwidht = 1\n");
