@@ -1,5 +1,5 @@
-// The command line as the commands declare it. The library that reads it (CLI11) stands behind this header, and is compiled in one
-// file: each file that includes its headers takes as long as ten others.
+// The command line as the commands declare it. The library that reads it (CLI11) stands behind this header: a
+// file that includes CLI11's own headers takes some ten times as long to compile. The parser's start and its errors are in main.cc and usage.cc.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class Option;
 
 namespace dynoproof::app {
 
-/// What a call may give, and what is asked of it. A value that is refused is a usage error.
+/// One option or positional argument of a command, with the conditions on its value. A value that breaks one is a usage error.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -45,8 +45,8 @@ class Option {
   CLI::Option* option_;
 };
 
-/// The program, or one of its commands; copies are the same one. Names of options begin with "--", those of places do not. What a name
-/// stands for is set when the call is read, and outlives this.
+/// The program, or one of its commands; copies refer to the same one. Names of options begin with "--", names of positional
+/// arguments do not. The parser writes into the given variable, which outlives the parser.
 class Command {
  public:
   /// `exit`: set by the command that runs.
@@ -60,12 +60,12 @@ class Command {
   Option Value(const std::string& name, std::size_t& value, const std::string& help) const;
   Option Value(const std::string& name, double& value, const std::string& help) const;
   Option Flag(const std::string& name, bool& value, const std::string& help) const;
-  /// What the help says in place of the summary.
+  /// Sets the description at the top of the help; without, the help shows the summary there.
   void Describe(const std::string& text) const;
   void Examples(const std::string& text) const;
   /// One of the subcommands has to be called.
   void NeedsSubcommand() const;
-  /// What it does, and the exit code of that.
+  /// Sets the function that runs the command. The function returns the exit code.
   void Runs(std::function<int()> work) const;
 
  private:

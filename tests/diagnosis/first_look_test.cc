@@ -1,4 +1,4 @@
-// What a first look finds beside a null that leaves nothing but noise.
+// The first look beside a nominal model that leaves nothing but noise.
 #include "diagnosis/first_look.h"
 
 #include <gtest/gtest.h>

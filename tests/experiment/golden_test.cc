@@ -194,7 +194,7 @@ TEST_F(GoldenFiles, BelongTogether) {
   EXPECT_THAT(why, HasSubstr("SHA-256 differs"));
 }
 
-/// Who reduces a scenario beside the blessed one would go on without it, and say that it is another one.
+/// `reduce` compares with the blessed scenario. If an unreadable file counted as a missing one, `reduce` would work without it.
 TEST_F(GoldenFiles, AScenarioThatCannotBeReadIsNotTakenForNone) {
   const Result<std::optional<Value>> missing = BlessedScenario(place());
   ASSERT_TRUE(missing.ok()) << missing.failure().ToString();
