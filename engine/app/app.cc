@@ -34,6 +34,11 @@ int WriteHtml(const std::string& file, const std::string& page) {
   return WriteText(file, page);
 }
 
+bool UnderCi() {
+  const char* const ci = std::getenv("CI");
+  return ci != nullptr && *ci != '\0';
+}
+
 bool Writable(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

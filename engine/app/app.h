@@ -35,6 +35,8 @@ bool CanWrite(const std::vector<std::string>& files);
 bool ColourOn(int descriptor);
 /// True when the user sees this stream on a terminal.
 bool IsTerminal(int descriptor);
+/// True in a CI run ($CI is set), which may neither decide what is right nor take over what an earlier run found.
+bool UnderCi();
 
 /// Built-in plugins and those of --plugin and DYNOPROOF_PLUGIN_PATH; faults become diagnostics.
 std::unique_ptr<Registry> MakeRegistry(const Common& common, Diagnostics& diagnostics);

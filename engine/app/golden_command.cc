@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -158,8 +157,7 @@ int Bless(const BlessArguments& arguments) {
     return kUsage;
   };
   if (reason.find_first_not_of(" \t\n") == std::string::npos) return refuse("a reason is needed: --reason TEXT");
-  if (const char* ci = std::getenv("CI"); ci != nullptr && *ci != '\0')
-    return refuse("a CI run does not decide what is right ($CI is set)");
+  if (UnderCi()) return refuse("a CI run does not decide what is right ($CI is set)");
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
   const std::vector<std::string> files = FindScenarios(id, diagnostics);

@@ -32,7 +32,7 @@ namespace {
 struct RunArguments {
   Common common;
   std::vector<std::string> names, overrides;
-  std::string solver, out = "out", golden, junit, markdown, html, data, map, today;
+  std::string solver, out = "out", golden, kept, junit, markdown, html, data, map, today;
   int jobs = 1;
   RunLimits limits;
 };
@@ -126,6 +126,7 @@ std::vector<ScenarioResult> RunAll(const std::vector<std::unique_ptr<Prepared>>&
     options.out = arguments.out;
     options.data = data;
     options.today = arguments.today;
+    options.kept = arguments.kept;
     if (progress) options.progress = [&, i](double fraction) { return tell(i, fraction), true; };
     if (!arguments.html.empty()) {
       options.seen = [&, i](const Course& course, const ScenarioResult& result) {
@@ -201,6 +202,11 @@ int Run(const RunArguments& arguments) {
     diagnostics.Error({"--data"}, "drives one scenario, not several", "name one");
   if (arguments.data.empty() && !arguments.map.empty())
     diagnostics.Error({"--map"}, "belongs to --data", "add --data FILE");
+  if (!arguments.kept.empty() && !arguments.data.empty())
+    diagnostics.Error({"--kept"}, "has nothing to keep: a record's comparison takes the place of the checks",
+                      "leave it out");
+  if (!arguments.kept.empty() && UnderCi())
+    diagnostics.Error({"--kept"}, "is for a person: a CI run computes both solvers ($CI is set)", "leave it out");
   PrepareOptions options;
   options.overrides = arguments.overrides;
   options.solver = arguments.solver;
@@ -235,7 +241,7 @@ int Run(const RunArguments& arguments) {
     if (one != nullptr) ChecksApply(one->checks, one->plan, *one->rig, diagnostics);
   }
   if (Report(diagnostics) != kGood) return kUsage;
-  if (!Writable(arguments.out)) return kBroken;
+  if (!Writable(arguments.out) || (!arguments.kept.empty() && !Writable(arguments.kept))) return kBroken;
   if (!CanWrite({arguments.junit, arguments.markdown, arguments.html, arguments.common.json})) return kBroken;
 
   reports::RunPage page(scenarios.size());
@@ -283,6 +289,9 @@ void AddRun(Command program) {
   command.Value("--out", arguments->out, "folder of traces (default out)");
   command.Value("--golden", arguments->golden,
                 "folder of golden data (default: beside a scenario of one's own; golden/ for the program's)");
+  command.Value(
+      "--kept", arguments->kept,
+      "keep the second solver's samples in this folder, and compute them again only where they may have changed");
   command.Value("--junit", arguments->junit, "write JUnit XML").NamesFile();
   command.Value("--markdown", arguments->markdown, "write a Markdown summary").NamesFile();
   command.Value("--html", arguments->html, "write the report: one page with pictures that needs no network")
@@ -298,6 +307,7 @@ void AddRun(Command program) {
   command.Examples(
       "  dynoproof run r2r/soft_rotor_setup_1\n"
       "  dynoproof run heavy_duty/ --jobs 2 --junit out/junit.xml\n"
+      "  dynoproof run r2r/soft_rotor_setup_1 --kept out/kept\n"
       "  dynoproof run backlash/experiment_1 --html out/report.html\n"
       "  dynoproof run diagnose/heavy_duty_lumped --set run.duration_s=0.5 --solver reference\n"
       "  dynoproof run diagnose/r2r_soft --data record.csv --map map.toml");

@@ -29,6 +29,7 @@ namespace dynoproof {
 namespace trace {
 struct Trace;
 }
+class KeptReference;
 struct GoldenPlace;
 struct Samples;
 
@@ -63,7 +64,7 @@ class CheckContext {
   // samples and the oracles' answers are computed once, when first asked for.
   const Rig& rig() const { return rig_; }
   const Samples& samples() const { return samples_; }
-  /// Samples of the other solver.
+  /// Samples of the other solver: those of `kept` where they still stand.
   const Result<Samples>& Other();
   /// The named oracle's answer for every output that some check asks it for.
   Result<std::vector<double>> Oracle(const std::string& oracle, const std::string& output);
@@ -72,6 +73,8 @@ class CheckContext {
   const Registry* registry = nullptr;   // for checks that build variants of the scenario
   const Records* records = nullptr;
   const GoldenPlace* golden = nullptr;  // what the golden check compares with
+  const KeptReference* kept = nullptr;  // where the samples of `reference` stay from run to run
+  std::string kept_note;                // that they were taken, or could not be written
 
  private:
   const Plan& plan_;

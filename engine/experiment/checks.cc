@@ -10,6 +10,7 @@
 #include "experiment/check_time_course.h"
 #include "experiment/check_windows.h"
 #include "experiment/golden.h"
+#include "experiment/kept_reference.h"
 #include "experiment/why.h"
 #include "oracles/oracle.h"
 #include "score/nrmse.h"
@@ -87,10 +88,21 @@ std::optional<RunSignal> CheckContext::Find(const std::string& name) const {
 }
 
 const Result<Samples>& CheckContext::Other() {
-  if (other_ == nullptr) {
-    Result<std::unique_ptr<Solver>> solver = MakeSolver(solver_ == "reference" ? "realtime" : "reference", rig_);
-    other_ =
-        std::make_unique<Result<Samples>>(solver.ok() ? Simulate(rig_, **solver) : Result<Samples>(solver.failure()));
+  if (other_ != nullptr) return *other_;
+  const bool keeps = kept != nullptr && solver_ != "reference";  // `realtime` takes no time worth keeping
+  if (keeps) {
+    if (std::optional<Samples> samples = kept->Find()) {
+      kept_note = "`reference` was not computed again: its samples are those of " + kept->file();
+      other_ = std::make_unique<Result<Samples>>(*std::move(samples));
+      return *other_;
+    }
+  }
+  Result<std::unique_ptr<Solver>> solver = MakeSolver(solver_ == "reference" ? "realtime" : "reference", rig_);
+  other_ =
+      std::make_unique<Result<Samples>>(solver.ok() ? Simulate(rig_, **solver) : Result<Samples>(solver.failure()));
+  if (keeps && other_->ok()) {
+    if (const Status failed = kept->Keep(**other_))
+      kept_note = "the samples of `reference` were not kept: " + failed->ToString();
   }
   return *other_;
 }

@@ -11,6 +11,7 @@
 #include "experiment/analysis.h"
 #include "experiment/build_info.h"
 #include "experiment/golden.h"
+#include "experiment/kept_reference.h"
 #include "experiment/measured_record.h"
 #include "experiment/moved_modes.h"
 #include "experiment/prediction_windows.h"
@@ -198,18 +199,21 @@ Result<Simulated> SimulateBeside(const Prepared& prepared, const RunOptions& opt
 }
 
 /// The scenario's own checks, its golden trace among them.
-void CheckCourse(const Prepared& prepared, const Course& course, ScenarioResult& result) {
+void CheckCourse(const Prepared& prepared, const RunOptions& options, const Course& course, ScenarioResult& result) {
   CheckContext context(prepared.plan, *prepared.rig, course.samples, prepared.rig->run.solver);
   context.trace = &course.trace;
   context.registry = prepared.registry;
   context.records = prepared.records.get();
   context.golden = &prepared.golden;
+  std::optional<KeptReference> kept;
+  if (!options.kept.empty()) context.kept = &kept.emplace(options.kept, prepared);
   result.checks = RunChecks(prepared.checks, context);
   // Checks that --set gives in place of the scenario's own are asked for alone.
   std::optional<score::Check> gone;
   if (prepared.checks_as_written) gone = GoldenNotStated(prepared.golden, prepared.plan);
   if (gone) result.checks.push_back(std::move(*gone));
   result.figures = std::move(context.figures);
+  if (!context.kept_note.empty()) result.notes.push_back(std::move(context.kept_note));
 }
 
 /// The comparison with the record: alone where a command names it, beside the scenario's checks where the scenario does.
@@ -254,7 +258,7 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options) 
     result.trace_file = base + ".h5";
   }
 
-  CheckCourse(prepared, course, result);
+  CheckCourse(prepared, options, course, result);
   if (data != nullptr) {
     CompareWithData(prepared, options, *simulated, *data, result);
   } else if (result.checks.empty()) {

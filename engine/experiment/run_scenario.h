@@ -39,6 +39,7 @@ struct RunOptions {
   std::string out = "out";             // folder; traces go to out/<id>.h5; empty: none is written
   const MappedRecord* data = nullptr;  // --data: its comparison takes the place of the scenario's checks
   std::string today = {};              // for accepted gaps, "2026-01-31"; empty: by the clock
+  std::string kept = {};               // folder of kept samples of `reference` (kept_reference.h); empty: none are
   Progress progress = {};
   /// Called with what there is to see when the checks have been made, which have their evidence then; not for a broken
   /// run.

@@ -277,5 +277,29 @@ TEST(Validate, AcceptsEveryShippedScenarioAndCountsFaults) {
   EXPECT_EQ(document["files"][1]["diagnostics"][0]["line"], 2);
 }
 
+TEST(Run, DoesNotComputeAgainWhatItHasKept) {
+  const Bench bench;
+  const std::string kept = "out/kept/line.reference.h5";
+  const nlohmann::json first = bench.Json({"run", "line.toml", "--kept", "out/kept"}).at("scenarios")[0];
+  EXPECT_FALSE(first.contains("notes"));
+  EXPECT_TRUE(std::filesystem::exists(bench / kept));
+  const nlohmann::json second = bench.Json({"run", "line.toml", "--kept", "out/kept"}).at("scenarios")[0];
+  EXPECT_THAT(second.at("notes").back(), "`reference` was not computed again: its samples are those of " + kept);
+  EXPECT_EQ(second.at("checks"), first.at("checks"));
+  EXPECT_EQ(second.at("figures"), first.at("figures"));
+  const nlohmann::json other =
+      bench.Json({"run", "line.toml", "--kept", "out/kept", "--set", "plant.inertia.I3=0.7"}).at("scenarios")[0];
+  EXPECT_THAT(other.dump(), Not(HasSubstr("not computed again"))) << "another inertia is another run";
+}
+
+TEST(Run, TakesOverNothingInACiRun) {
+  const Bench bench;
+  const Outcome run =
+      bench.Call({"run", "line.toml", "--kept", "kept"}, {.folder = {}, .environment = {{"CI", "true"}}});
+  EXPECT_EQ(run.exit, 2) << run.Both();
+  EXPECT_THAT(run.err, HasSubstr("--kept: error: is for a person"));
+  EXPECT_FALSE(std::filesystem::exists(bench / "kept"));
+}
+
 }  // namespace
 }  // namespace dynoproof::test
