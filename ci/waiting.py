@@ -94,7 +94,7 @@ class Waiting:
             file.write(f"[[maybe_unused]] inline constexpr int kWaitedFor{time.time_ns()} = 0;\n")
 
     def command_of(self, name):
-        # A person's: a CI run keeps nothing. The first one finds an empty folder.
+        # The program refuses --kept where $CI is set. The first of the two runs finds an empty folder, and computes everything.
         all_of_them = ["env", "-u", "CI", "./build/dynoproof", "run", "--kept", str(self.folder / "kept"), "--out", str(self.folder / "out")]
         return {
             "first_table": ["./ci/run.sh", "r2r/soft_rotor_setup_1"],

@@ -89,7 +89,8 @@ std::optional<RunSignal> CheckContext::Find(const std::string& name) const {
 
 const Result<Samples>& CheckContext::Other() {
   if (other_ != nullptr) return *other_;
-  const bool keeps = kept != nullptr && solver_ != "reference";  // `realtime` takes no time worth keeping
+  const std::string name = solver_ == "reference" ? "realtime" : "reference";
+  const bool keeps = kept != nullptr && name == "reference";  // `realtime` takes no time worth keeping
   if (keeps) {
     if (std::optional<Samples> samples = kept->Find()) {
       kept_note = "`reference` was not computed again: its samples are those of " + kept->file();
@@ -97,7 +98,7 @@ const Result<Samples>& CheckContext::Other() {
       return *other_;
     }
   }
-  Result<std::unique_ptr<Solver>> solver = MakeSolver(solver_ == "reference" ? "realtime" : "reference", rig_);
+  Result<std::unique_ptr<Solver>> solver = MakeSolver(name, rig_);
   other_ =
       std::make_unique<Result<Samples>>(solver.ok() ? Simulate(rig_, **solver) : Result<Samples>(solver.failure()));
   if (keeps && other_->ok()) {

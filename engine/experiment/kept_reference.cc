@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "experiment/measured_record.h"
 #include "experiment/prepare.h"
+#include "experiment/run_scenario.h"
 #include "scenario/load.h"
 #include "trace/trace_io.h"
 
@@ -87,18 +88,7 @@ std::optional<Samples> KeptReference::Find() const {
 }
 
 Status KeptReference::Keep(const Samples& samples) const {
-  trace::Trace trace;
-  trace.time = samples.time;
-  for (std::size_t i = 0; i < rig_.inputs.size(); ++i) {
-    const InputLine& line = rig_.inputs[i];
-    trace.signals.push_back(
-        {line.name, line.unit, line.description, line.nominal, trace::Interpolation::kHold, samples.inputs[i]});
-  }
-  for (std::size_t i = 0; i < rig_.outputs.size(); ++i) {
-    const OutputLine& line = rig_.outputs[i];
-    trace.signals.push_back(
-        {line.name, line.unit, line.description, line.nominal, trace::Interpolation::kLinear, samples.outputs[i]});
-  }
+  trace::Trace trace = SampledTrace(rig_, samples);
   trace.scenario = scenario_;
   trace.provenance.Set("code", Code());
   trace.provenance.Set("cpu", CpuFeatureClass());

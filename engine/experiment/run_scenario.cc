@@ -123,10 +123,9 @@ std::string LibrariesOf(const Registry& registry) {
 
 }  // namespace
 
-trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
+trace::Trace SampledTrace(const Rig& rig, const Samples& samples) {
   trace::Trace trace;
   trace.time = samples.time;
-  const Rig& rig = *prepared.rig;
   for (std::size_t i = 0; i < rig.inputs.size(); ++i) {
     const InputLine& line = rig.inputs[i];
     trace.signals.push_back(
@@ -137,6 +136,12 @@ trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
     trace.signals.push_back(
         {line.name, line.unit, line.description, line.nominal, trace::Interpolation::kLinear, samples.outputs[i]});
   }
+  return trace;
+}
+
+trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples) {
+  const Rig& rig = *prepared.rig;
+  trace::Trace trace = SampledTrace(rig, samples);
   AddHull(prepared, trace);
   trace.scenario = ToToml(prepared.plan.root);
   trace.provenance = BuildProvenance();

@@ -51,6 +51,9 @@ ScenarioResult RunScenario(const Prepared& prepared, const RunOptions& options);
 /// The simulation alone: no file, no checks. Outputs of variants are OUTPUT_VARIANT.
 Result<Course> Play(const Prepared& prepared, const Progress& progress = {}, bool timed = false);
 
+/// Commands and samples alone, without scenario and provenance.
+trace::Trace SampledTrace(const Rig& rig, const Samples& samples);
+
 /// The trace of a run: commands, samples, hull of the analysed output, resolved scenario, provenance.
 trace::Trace MakeTrace(const Prepared& prepared, const Samples& samples);
 

@@ -1,4 +1,4 @@
-// What an earlier run has computed stands for exactly that run.
+// KeptReference returns the samples of an earlier run for the same run, and for no other.
 #include "experiment/kept_reference.h"
 
 #include <gtest/gtest.h>
