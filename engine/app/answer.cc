@@ -71,7 +71,7 @@ std::string JsonFile(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--") break;
-    if (word == kOption) return i + 1 < argc ? argv[i + 1] : "";
+    if (word == kOption) return i + 1 < argc && !std::string_view(argv[i + 1]).starts_with("--") ? argv[i + 1] : "";
     if (word.starts_with(kJoined)) return std::string(word.substr(kJoined.size()));
   }
   return "";

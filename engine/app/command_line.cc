@@ -1,9 +1,24 @@
 #include "app/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <utility>
 
 namespace dynoproof::app {
+namespace {
+
+/// The parser takes the next word for a value whatever it is: of `--json --explain` it would make a file named --explain.
+Option Taking(CLI::Option* option) {
+  if (option->get_positional()) return Option(option);
+  return Option(option).Checked(
+      [](const std::string& word) {
+        return word.starts_with("--") ? fmt::format("a value is missing: {} is the next option", word) : "";
+      },
+      "");
+}
+
+}  // namespace
 
 Option Option::Required() const { return Option(option_->required()); }
 
@@ -46,11 +61,11 @@ Command Command::Subcommand(const std::string& name, const std::string& summary)
 }
 
 Option Command::Value(const std::string& name, std::string& value, const std::string& help) const {
-  return Option(command_->add_option(name, value, help));
+  return Taking(command_->add_option(name, value, help));
 }
 
 Option Command::Value(const std::string& name, std::vector<std::string>& value, const std::string& help) const {
-  return Option(command_->add_option(name, value, help));
+  return Taking(command_->add_option(name, value, help));
 }
 
 Option Command::Value(const std::string& name, int& value, const std::string& help) const {

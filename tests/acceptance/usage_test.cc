@@ -152,6 +152,18 @@ TEST(Usage, SuggestsWhatWasMeant) {
   EXPECT_THAT(bench.Call({"frobnicate"}).err, HasSubstr("commands: run, modes"));
 }
 
+TEST(Usage, TakesNoOptionForAValue) {
+  const Bench bench;
+  bench.Write("line.toml", Bench::kLine);
+  for (const Words& words :
+       std::vector<Words>{{"run", "line.toml", "--json", "--verbose"}, {"run", "line.toml", "--set", "--quiet"}}) {
+    const Outcome outcome = bench.Call(words);
+    EXPECT_EQ(outcome.exit, 2) << outcome.Both();
+    EXPECT_THAT(outcome.err, HasSubstr(words[2] + ": a value is missing: " + words[3] + " is the next option"));
+    EXPECT_FALSE(std::filesystem::exists(bench / words[3])) << "nobody wants a file of that name";
+  }
+}
+
 TEST(Again, WorksWhenPasted) {
   const Bench bench;
   bench.Write("my lines/it's mine.toml", Bench::kLine);
