@@ -16,7 +16,7 @@
 namespace dynoproof::identification {
 namespace {
 
-constexpr int kFewest = 4;  // substeps for dry friction beside undamped modes: the engine's default
+constexpr int kFewestSubsteps = 4;  // substeps for dry friction beside undamped modes: the engine's default
 
 bool HasUndampedShaft(const Plan& plan) {
   const Value* shafts = plan.root.FindPath("plant.shaft");
@@ -124,7 +124,7 @@ Plan EstimationProblem::PlanOf(const Hypothesis& hypothesis) const {
   ApplyNuisances(nuisances_, hypothesis.z, plan);
   for (const EffectInstance& instance : hypothesis.effects)
     instance.effect->Apply(plan, instance.place, instance.parameters);
-  if (NeedsFinerSteps(hypothesis)) SetSubsteps(plan, std::max(kFewest, SubstepsOf(plan)));
+  if (NeedsFinerSteps(hypothesis)) SetSubsteps(plan, std::max(kFewestSubsteps, SubstepsOf(plan)));
   return plan;
 }
 
