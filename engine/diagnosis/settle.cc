@@ -281,8 +281,13 @@ class Shares {
                          return level != levels_.free_run() && Explained(i, level) <= policy::kHarm;
                        });
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
-    for (const std::size_t level : asked_)
+    for (const std::size_t level : asked_) {
       numbers.emplace_back("held out, " + levels_.Name(level), Explained(i, level));
+      if (const std::optional<Weight>& weight = weights_[level]->Of(i, 0)) {
+        numbers.emplace_back("weight_of_null, " + levels_.Name(level), weight->lambda);
+        numbers.emplace_back("standard_error, " + levels_.Name(level), weight->standard_error);
+      }
+    }
     const char* outcome = !Beats(i, 0)                                 ? "does not beat the nominal model"
                           : harms                                      ? "makes it worse at a level"
                           : !Near(i, Shorter()) || !Near(i, Longer(i)) ? "far from the best on data that took no part"

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -244,6 +245,21 @@ TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   const Settled nothing = SettledOf({{"coulomb_friction", "inertia:I5", 0.3, 0.0, 0.95}});
   EXPECT_EQ(nothing.verdict, Conclusion::kUnexplained) << nothing.reason;
   EXPECT_TRUE(nothing.causes.empty());
+}
+
+/// Whoever reads "does not beat the nominal model" finds the weight by which it does not, and its error, at each level.
+TEST_F(SettleTest, TheJournalHoldsTheWeightsThatDecided) {
+  for (const double left : {0.0, 0.2}) {  // by weights, and by shares
+    const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", left, left, 0.02}, kFar});
+    EXPECT_EQ(settled.exact, left == 0.0);
+    ASSERT_FALSE(settled.journal.empty());
+    const auto& numbers = settled.journal.front().numbers;
+    const auto of_null = std::ranges::count_if(
+        numbers, [](const auto& one) { return one.first.starts_with("weight_of_null") && std::abs(one.second) < 0.3; });
+    EXPECT_GE(of_null, 1);
+    EXPECT_EQ(std::ranges::count_if(numbers, [](const auto& one) { return one.first.starts_with("standard_error"); }),
+              of_null);
+  }
 }
 
 /// Alone or in a set: what takes a third of the error may be a first of two causes, and is no main one.
