@@ -291,9 +291,8 @@ namespace {
 
 /// Ends a descent where it has looked at as many points as it may, where its columns promise next to nothing, or where kept ones no
 /// longer lead: Broyden's update changes them along the last step alone, so that in a curved valley each step gains a part of what it
-/// promised, and the radius stays small. Near by, a step that gains little is no end, for which reason Ceres' own test of it is turned
-/// off: where numbers make up for each other, a step may cross a valley and end as high as it began, or stay within a radius that leaves
-/// nearly all that there is to gain.
+/// promised, and the radius stays small. A step that gains little is no end: within a small radius it may leave nearly all that there is
+/// to gain, where numbers make up for each other.
 class DescentEnd : public ceres::IterationCallback {
  public:
   DescentEnd(const Residual& residual, double converged, std::int64_t most)
@@ -334,7 +333,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = options.near ? 0.0 : kNextToNothing * converged / squares;
+  solver.function_tolerance = kNextToNothing * converged / squares;
   solver.parameter_tolerance = 1e-10;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;
