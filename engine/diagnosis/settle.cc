@@ -88,6 +88,16 @@ std::string Listed(const Contest& contest, const std::vector<std::size_t>& which
   return text;
 }
 
+/// Enters the weight of the null model beside a contestant and its standard error, where both have an estimate. `at`: added to
+/// the names.
+void EnterWeight(const Weights& weights, std::size_t i, const std::string& at,
+                 std::vector<std::pair<std::string, double>>& numbers) {
+  if (const std::optional<Weight>& weight = weights.Of(i, 0)) {
+    numbers.emplace_back("weight_of_null" + at, weight->lambda);
+    numbers.emplace_back("standard_error" + at, weight->standard_error);
+  }
+}
+
 template <class Beats>
 JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights& weights, const Beats& beats,
                      std::size_t level, std::size_t i) {
@@ -102,10 +112,7 @@ JournalEntry EntryOf(const Contest& contest, const Levels& levels, const Weights
   entry.numbers.emplace_back("nominal_values_off", OffNominal(contest.contestants[i], level));
   entry.numbers.emplace_back("renewals", fit.renewals);
   entry.numbers.emplace_back("simulations", static_cast<double>(fit.simulations));
-  if (const std::optional<Weight>& weight = weights.Of(i, 0)) {
-    entry.numbers.emplace_back("weight_of_null", weight->lambda);
-    entry.numbers.emplace_back("standard_error", weight->standard_error);
-  }
+  EnterWeight(weights, i, "", entry.numbers);
   std::string rivals;
   for (std::size_t k = 1; k < contest.contestants.size(); ++k) {
     if (k != i && beats(k, i)) rivals += (rivals.empty() ? "" : ", ") + contest.contestants[k].Name();
@@ -283,10 +290,7 @@ class Shares {
     std::vector<std::pair<std::string, double>> numbers = {{"most_share", most}, {"least_share", worst}};
     for (const std::size_t level : asked_) {
       numbers.emplace_back("held out, " + levels_.Name(level), Explained(i, level));
-      if (const std::optional<Weight>& weight = weights_[level]->Of(i, 0)) {
-        numbers.emplace_back("weight_of_null, " + levels_.Name(level), weight->lambda);
-        numbers.emplace_back("standard_error, " + levels_.Name(level), weight->standard_error);
-      }
+      EnterWeight(*weights_[level], i, ", " + levels_.Name(level), numbers);
     }
     const char* outcome = !Beats(i, 0)                                 ? "does not beat the nominal model"
                           : harms                                      ? "makes it worse at a level"

@@ -247,7 +247,7 @@ TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   EXPECT_TRUE(nothing.causes.empty());
 }
 
-/// Whoever reads "does not beat the nominal model" finds the weight by which it does not, and its error, at each level.
+/// The journal gives the weight of the null model and its standard error at each level at which models were compared.
 TEST_F(SettleTest, TheJournalHoldsTheWeightsThatDecided) {
   for (const double left : {0.0, 0.2}) {  // by weights, and by shares
     const Settled settled = SettledOf({{"viscous_friction", "inertia:I5", left, left, 0.02}, kFar});
