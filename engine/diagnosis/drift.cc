@@ -202,7 +202,9 @@ bool Drifts::Found() const {
   return leaves <= policy::kDriftsLeave && std::ranges::count_if(of_sensors, shows) > 1;
 }
 
-bool Drifts::Plainly() const { return Found() && (of_output || leaves <= policy::kDriftsAlone); }
+bool Drifts::Plainly() const { return Found() && of_output; }
+
+bool Drifts::Suffice() const { return Found() && (exact || leaves <= policy::kDriftsAlone); }
 
 std::optional<Drifts> FindDrifts(const Plan& plan, std::span<const Contestant> contestants, const Levels& levels,
                                  std::size_t level, const Registry& registry) {

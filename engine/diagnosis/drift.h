@@ -41,8 +41,10 @@ struct Drifts {
 
   /// Whether they take most of what the best model leaves, and are several.
   bool Found() const;
-  /// Whether nothing else need be asked first: they take nearly all, or what is best without them is one sensor's fault.
+  /// Whether nothing else need be asked first: what is best without them is one sensor's fault.
   bool Plainly() const;
+  /// Whether they are taken off where no pair of causes leaves nothing but noise: they take nearly all.
+  bool Suffice() const;
 };
 /// Drifts are looked for beside the null of a contest and beside its best effect on the machine; an effect at an output may be a drift
 /// itself. Returns nothing where neither model holds at this level. `plan`: that of the levels.

@@ -12,6 +12,7 @@
 #include "diagnosis/policy.h"
 #include "diagnosis/second_look.h"
 #include "diagnosis/settle.h"
+#include "diagnosis/twins.h"
 #include "diagnosis/weights.h"
 #include "identification/residual_tests.h"
 #include "identification/start.h"
@@ -82,7 +83,7 @@ Result<Answer> Pipeline::Decide() {
   const Answer first = WithFurtherCauses(*answer);
   if (first.settled.exact) {
     answer = first;
-  } else if (drifts && drifts->exact) {
+  } else if (drifts && drifts->Suffice()) {
     drifts_ = drifts;
     return answer;
   } else if (!Spent()) {
@@ -245,7 +246,11 @@ Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& 
   if (!contest.ok()) return contest.failure();
   Settled settled;
   if (contest->complete) {
-    if (!ExactLevel(*contest, levels_)) {
+    if (const std::optional<std::size_t> exact = ExactLevel(*contest, levels_)) {
+      const std::int64_t before = levels_.simulations();
+      CarryTwins(*contest, levels_, *exact, magnitudes_, conduct);
+      contest->cost.push_back({"twins", levels_.simulations() - before});
+    } else {
       const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
       if (best != nullptr && LeavesNoise(problem_, *best, levels_)) CountAsNoise(*best, contest->contestants);
     }
@@ -286,7 +291,9 @@ std::optional<Answer> Pipeline::SeveralNumbers(const Contest& under_priors, cons
        far,
        settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name()});
   Enter(contest, settled, "numbers let go together");
-  return Answer{std::move(contest), std::move(settled)};
+  Answer answer{std::move(contest), std::move(settled)};
+  if (std::optional<Answer> other = FromItsHalves(answer, under_priors)) return other;
+  return answer;
 }
 
 void Pipeline::TellNumbers(const std::vector<std::pair<std::string, double>>& far, Settled& settled) {
@@ -369,27 +376,45 @@ Answer Pipeline::WithFurtherCauses(Answer answer) {
     SettleAgain(*before);
     return *std::move(before);
   }
-  if (std::optional<Answer> other = FromTheOtherHalf(answer, *before)) return *std::move(other);
+  if (EffectsIn(answer) == 2) {
+    if (std::optional<Answer> other = FromItsHalves(answer, before->contest)) return *std::move(other);
+  }
   return answer;
 }
 
-std::optional<Answer> Pipeline::FromTheOtherHalf(const Answer& answer, const Answer& before) {
+std::optional<Answer> Pipeline::FromItsHalves(const Answer& answer, const Contest& alone) {
   const auto& [contest, settled] = answer;
-  if (!settled.exact || settled.causes.size() != 1 || EffectsIn(answer) != 2 || Spent()) return {};
-  const Contestant& pair = contest.contestants[settled.causes.front()];
-  const double off = OffNominal(pair, settled.level);
-  if (off < policy::kImplausible) return {};
-  const auto& alone = before.contest.contestants;
-  const auto half = std::ranges::find_if(alone, [&](const Contestant& one) {
-    const auto& effects = one.hypothesis.effects();
-    return effects.size() == 1 && effects.front() == pair.hypothesis.effects().back();
+  if (!settled.exact || settled.causes.size() != 1) return {};
+  const Contestant& all = contest.contestants[settled.causes.front()];
+  double off = OffNominal(all, settled.level);
+  if (off < policy::kImplausible || Spent()) return {};
+  const auto& asked = contest.null().hypothesis.effects();
+  std::vector<Contestant> halves;
+  for (const estimation::Hypothesis::Applied& effect : all.hypothesis.effects()) {
+    if (std::ranges::count(asked, effect) == 0) halves.push_back(HalfOf(all, effect, settled.level, alone));
+  }
+  std::ranges::stable_sort(halves, std::ranges::greater(), &Contestant::share);
+  std::optional<Answer> best;
+  for (const Contestant& half : halves) {
+    if (off < policy::kImplausible || Spent()) break;
+    Result<Answer> other = Ask(half, contest.released, "with " + half.Name());
+    if (!other.ok() || !other->settled.exact || other->settled.causes.empty()) continue;
+    const double instead = OffNominal(other->contest.contestants[other->settled.causes.front()], other->settled.level);
+    if (instead + policy::kImplausible <= off) best = *std::move(other), off = instead;
+  }
+  return best;
+}
+
+Contestant Pipeline::HalfOf(const Contestant& all, const estimation::Hypothesis::Applied& effect, std::size_t level,
+                            const Contest& alone) const {
+  const auto known = std::ranges::find_if(alone.contestants, [&](const Contestant& one) {
+    return std::ranges::equal(one.hypothesis.effects(), std::span(&effect, 1));
   });
-  if (half == alone.end()) return {};
-  Result<Answer> other = Ask(*half, contest.released, "with " + half->Name());
-  if (!other.ok() || !other->settled.exact || other->settled.causes.empty()) return {};
-  const Contestant& instead = other->contest.contestants[other->settled.causes.front()];
-  if (OffNominal(instead, other->settled.level) + policy::kImplausible > off) return {};
-  return *std::move(other);
+  if (known != alone.contestants.end()) return *known;
+  Contestant half(NullHypothesis(begun_, alone.released, levels_, problem_.registry())
+                      .With(*effect.effect, effect.place, magnitudes_));
+  FitAlong(half, levels_, StartFrom(half.hypothesis, all.hypothesis, all.levels[level].q));
+  return half;
 }
 
 bool Pipeline::DoesWithout(Answer& answer, Answer& before) {

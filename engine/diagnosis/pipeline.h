@@ -100,9 +100,13 @@ class Pipeline {
   /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
   bool DoesWithout(Answer& answer, Answer& before);
 
-  /// A pair that leaves nothing but noise with nominal values far off may have one half that is right, and another that stands for the one that
-  /// is: what the second half alone lacks, where that leaves nothing but noise and is plausible.
-  std::optional<Answer> FromTheOtherHalf(const Answer& answer, const Answer& before);
+  /// Several effects that leave nothing but noise with nominal values far off may have one that is right, and others that stand for what
+  /// is: what one of them alone lacks, where that leaves nothing but noise and is plausible. Of those on top of which the answer was
+  /// found, that was asked. `alone`: effects fitted alone.
+  std::optional<Answer> FromItsHalves(const Answer& answer, const Contest& alone);
+  /// The model with one of its effects, as it was fitted alone.
+  Contestant HalfOf(const Contestant& all, const estimation::Hypothesis::Applied& effect, std::size_t level,
+                    const Contest& alone) const;
 
   bool PolishAt(std::size_t level, Contestant& one, const Contestant& null);
 

@@ -98,8 +98,9 @@ inline constexpr double kHumAbove = 5.0, kBesideHum_hz = 5.0, kHumLeaves = 1.0 /
 /// what is larger is the machine. In an inexact world a mode at 1560 Hz was two thirds of a torque.
 inline constexpr double kHumUnsteady = 0.3, kMostHumShare = 0.2;
 /// Drifts of several sensors are taken off the records where beside them some model leaves at most this share of what the best one leaves
-/// without, and at least two of them are so large [RMS over the output's noise]; at once, before pairs of causes are tried, where it is this
-/// share: what else would move all outputs slowly and nothing else? Three worlds of which sensors warmed up left 0.05, 0.12 and 0.35.
+/// without, and at least two of them are so large [RMS over the output's noise]; at this share, before the nominal values are let go, where no
+/// pair of causes leaves nothing but noise. Three worlds of which sensors warmed up left 0.05, 0.12 and 0.35, and in the frozen pair
+/// 2807/9 a slow input's dead zone looked like drifts that left 0.002.
 inline constexpr double kDriftsLeave = 0.5, kDriftShows = 0.5, kDriftsAlone = 0.1;
 /// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
