@@ -358,7 +358,13 @@ Answer Pipeline::WithFurtherCauses(Answer answer) {
     std::vector<Base> bases;
     if (!Spent() && contest.null().hypothesis.effects().empty()) {
       const Conduct conduct{[](double) {}, [&] { return Spent(); }, &saved_, "pairs, " + contest.pass()};
+      const std::int64_t counted = levels_.simulations();
       bases = BasesOfPairs(contest, levels_, magnitudes_, problem_.registry(), conduct);
+      result_.journal.push_back({"simulations",
+                                 {},
+                                 conduct.stage,
+                                 {{"second look", static_cast<double>(levels_.simulations() - counted)}},
+                                 ""});
     }
     const std::optional<std::size_t> base = BaseOf(contest, answer.settled, bases, levels_, result_.journal);
     if (!base || Spent()) break;

@@ -43,6 +43,8 @@ class Replaced {
                                   const Magnitudes& magnitudes) const {
     if (does_.size() == 0) return std::nullopt;
     const auto& [effect, place] = looked.hypothesis.effects().back();
+    // The best model may have taken its place away: lumps that one rotor stands for.
+    if (std::ranges::count(effect->Places(best_.hypothesis.At(fit().q)), place) == 0) return std::nullopt;
     const Trial both{effect, place, best_.hypothesis.With(*effect, place, magnitudes), {}, SizedWith(effect->info())};
     const Index count = std::ssize(effect->info().parameters);
     const VectorXd start = q_looked.segment(static_cast<Index>(looked.hypothesis.of_effects()) - count, count);
