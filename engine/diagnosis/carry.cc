@@ -183,6 +183,28 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
   return why;
 }
 
+/// Goes on with fits of a level that have ended before they had settled, of models that are not far behind the best: what such a one still has
+/// to gain may be more than what tells two models apart. Where the best leaves nothing but noise, so do they, or they are told apart by that.
+void SettleThose(std::span<Contestant> contestants, const Levels& levels, std::size_t level) {
+  const Contestant* leader = LeaderAt(contestants, levels, level);
+  if (leader == nullptr || IsExact(leader->levels[level])) return;
+  const Contestant ahead = *leader, null = contestants.front();
+  ParallelFor(contestants.size(), 0, [&](std::size_t i) {
+    Contestant& own = contestants[i];
+    if (!own.Holds(level) || IsFarBehind(own.levels[level], &ahead, levels, level)) return;
+    if (own.levels[level].termination == estimation::kSettled) return;
+    Estimate again =
+        AsLoudAs(null, level,
+                 Fit(own.hypothesis, levels[level], own.levels[level].q,
+                     {.renewals = 6,
+                      .points = policy::kRoughPoints + static_cast<int>(own.hypothesis.parameters().size()),
+                      .of_excess = policy::kCarriedTo,
+                      .near = true,
+                      .patient = true}));
+    TakeLower(own, std::move(again), levels, level);
+  });
+}
+
 }  // namespace
 
 std::string SteppedOver(const Contestant& contestant, const Levels& levels, std::size_t level) {
@@ -256,6 +278,7 @@ bool Carry(std::span<Contestant> contestants, const Levels& levels, std::size_t 
     for (std::size_t i = 0; i < now.size(); ++i) {
       if (left[i].empty()) left[i] = std::move(now[i]);
     }
+    if (!levels.IsSteppingStone(level)) SettleThose(contestants, levels, level);
     conduct.progress(static_cast<double>(level - first + 1) / static_cast<double>(levels.size() - first));
   }
   return true;

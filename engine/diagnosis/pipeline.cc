@@ -248,7 +248,7 @@ Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& 
   if (contest->complete) {
     if (const std::optional<std::size_t> exact = ExactLevel(*contest, levels_)) {
       const std::int64_t before = levels_.simulations();
-      CarryTwins(*contest, levels_, *exact, magnitudes_, conduct);
+      CarryTwins(*contest, levels_, *exact, magnitudes_);
       contest->cost.push_back({"twins", levels_.simulations() - before});
     } else {
       const Contestant* best = LeaderAt(contest->contestants, levels_, levels_.free_run());
@@ -263,6 +263,17 @@ Result<Answer> Pipeline::Ask(Contestant null, bool released, const std::string& 
   }
   Enter(*contest, settled, stage);
   return Answer{*std::move(contest), std::move(settled)};
+}
+
+Result<Answer> Pipeline::AskOnTop(const Contestant& base, const Contest& before) {
+  Result<Answer> answer = Ask(base, before.released, "with " + base.Name());
+  if (!answer.ok() || !answer->settled.exact || Spent()) return answer;
+  const estimation::Hypothesis nominal = NullHypothesis(begun_, before.released, levels_, problem_.registry());
+  const std::int64_t counted = levels_.simulations();
+  const bool any = CarryTwinsOfBase(answer->contest, before, nominal, levels_, answer->settled.level, magnitudes_);
+  answer->contest.cost = {{"twins of what it is on top of", levels_.simulations() - counted}};
+  if (any) SettleAgain(*answer);
+  return answer;
 }
 
 std::optional<Answer> Pipeline::SeveralNumbers(const Contest& under_priors, const Contestant& released) {
@@ -369,7 +380,7 @@ Answer Pipeline::WithFurtherCauses(Answer answer) {
     const std::optional<std::size_t> base = BaseOf(contest, answer.settled, bases, levels_, result_.journal);
     if (!base || Spent()) break;
     const Contestant& null = contest.contestants[*base];
-    Result<Answer> next = Ask(null, contest.released, "with " + null.Name());
+    Result<Answer> next = AskOnTop(null, contest);
     if (!next.ok()) break;
     if (!Adds(answer, *next)) {
       if (FoundLater(next->contest, *base, answer)) SettleAgain(answer);
@@ -403,7 +414,7 @@ std::optional<Answer> Pipeline::FromItsHalves(const Answer& answer, const Contes
   std::optional<Answer> best;
   for (const Contestant& half : halves) {
     if (off < policy::kImplausible || Spent()) break;
-    Result<Answer> other = Ask(half, contest.released, "with " + half.Name());
+    Result<Answer> other = AskOnTop(half, alone);
     if (!other.ok() || !other->settled.exact || other->settled.causes.empty()) continue;
     const double instead = OffNominal(other->contest.contestants[other->settled.causes.front()], other->settled.level);
     if (instead + policy::kImplausible <= off) best = *std::move(other), off = instead;

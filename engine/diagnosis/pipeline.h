@@ -83,6 +83,9 @@ class Pipeline {
   Result<Answer> Ask(Contestant null, bool released, const std::string& stage,
                      std::span<const Contestant> admitted = {});
 
+  /// The same on top of a model of the contest before, whose effects may have twins there.
+  Result<Answer> AskOnTop(const Contestant& base, const Contest& before);
+
   /// The answer where the model's own numbers, let go together, leave nothing but noise: which of them are wrong.
   std::optional<Answer> SeveralNumbers(const Contest& under_priors, const Contestant& released);
 

@@ -333,7 +333,7 @@ std::string Descend(const Residual& residual, const EstimatorOptions& options, d
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = kNextToNothing * converged / squares;
+  solver.function_tolerance = options.patient ? 0.0 : kNextToNothing * converged / squares;
   solver.parameter_tolerance = 1e-10;
   solver.gradient_tolerance = 1e-14;
   solver.logging_type = ceres::SILENT;

@@ -15,6 +15,7 @@
 namespace dynoproof::diagnosis {
 namespace {
 
+using estimation::Hypothesis;
 using estimation::RecordOf;
 using estimation::Scenario;
 using estimation::WithEffect;
@@ -27,24 +28,38 @@ class Twins : public ::testing::Test {
     std::vector<double> values;
   };
 
-  void Begin(const Hidden& hidden, const std::vector<std::string>& outputs) {
-    record_ = RecordOf(WithEffect(plan_, hidden.effect, hidden.at, hidden.values), 0.01, outputs);
+  /// `plan`: what else is hidden, in a plan of its own.
+  void Begin(const Hidden& hidden, const std::vector<std::string>& outputs, const Plan* plan = nullptr) {
+    record_ =
+        RecordOf(WithEffect(plan != nullptr ? *plan : plan_, hidden.effect, hidden.at, hidden.values), 0.01, outputs);
     levels_ = *Levels::Of(plan_, {record_}, testing::BuiltIns(), 0.0, 1000);
     magnitudes_ = MagnitudesOf(EstimationProblem(plan_, {record_}, testing::BuiltIns()));
     level_ = contest_.first = levels_->free_run();
     contest_.contestants = {NullOf(plan_, false, *levels_, testing::BuiltIns())};
-    Contestant cause = Looked(hidden.effect, hidden.at, hidden.values[0]);
-    Eigen::VectorXd truth = cause.hypothesis.start();
-    for (std::size_t i = 0; i < hidden.values.size(); ++i)
-      truth[static_cast<Eigen::Index>(i)] = cause.hypothesis.parameters()[i].CoordinateOf(hidden.values[i]);
-    cause.levels[level_] = estimation::Fit(cause.hypothesis, (*levels_)[level_], truth, {.near = true});
-    ASSERT_TRUE(IsExact(cause.levels[level_]));
-    contest_.contestants.push_back(cause);
+    contest_.contestants.push_back(Found(contest_.null().hypothesis, {hidden}));
+    ASSERT_TRUE(plan != nullptr || IsExact(contest_.contestants.back().levels[level_]));
+  }
+  /// A model with these effects, fitted from their values.
+  Contestant Found(Hypothesis model, const std::vector<Hidden>& all) const {
+    std::vector<double> values;
+    for (const Hidden& one : all) {
+      model = model.With(*testing::BuiltIns().FindEffect(one.effect), *ParsePlace(one.at), magnitudes_);
+      values.insert(values.end(), one.values.begin(), one.values.end());
+    }
+    Eigen::VectorXd truth = model.start();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      truth[static_cast<Eigen::Index>(i)] = model.parameters()[i].CoordinateOf(values[i]);
+    Contestant found(model);
+    found.levels.assign(levels_->size(), {});
+    for (estimation::Estimate& fit : found.levels) fit.broken = "not fitted";
+    found.levels[level_] = estimation::Fit(model, (*levels_)[level_], truth, {.near = true});
+    found.share = 0.5;
+    return found;
   }
   /// A torque that is 1.08 times what was asked for. A linear line that shows a torque alone does not tell that from a torque sensor that
   /// shows so much more.
-  void BeginWithGain(const std::vector<std::string>& outputs) {
-    Begin({"actuator_gain", "input:T_airgap", {1.08}}, outputs);
+  void BeginWithGain(const std::vector<std::string>& outputs, const Plan* plan = nullptr) {
+    Begin({"actuator_gain", "input:T_airgap", {1.08}}, outputs, plan);
     contest_.left_behind = {Looked("sensor_gain", "output:T_shaft", 1.05),
                             Looked("sensor_lag", "output:T_shaft", 1e-4)};
   }
@@ -57,7 +72,7 @@ class Twins : public ::testing::Test {
   }
   std::int64_t Carry() {
     const std::int64_t before = levels_->simulations();
-    CarryTwins(contest_, *levels_, level_, magnitudes_, {});
+    CarryTwins(contest_, *levels_, level_, magnitudes_);
     return levels_->simulations() - before;
   }
   static std::vector<std::string> Names(const std::vector<Contestant>& some) {
@@ -108,6 +123,21 @@ TEST_F(Twins, AreNotLookedForAtAPlaceThatTheBestModelHasTakenAway) {
   ASSERT_TRUE(contest_.left_behind.front().Holds(level_));
   EXPECT_EQ(Carry(), 1) << "the run without the rotor";
   EXPECT_EQ(contest_.contestants.size(), 2U);
+}
+
+TEST_F(Twins, OfTheEffectThatCameFirstAreCarried) {
+  const Plan late = WithEffect(plan_, "sensor_lag", "output:T_shaft", {3e-3});
+  BeginWithGain({"T_shaft"}, &late);
+  Contest pairs;
+  pairs.first = level_;
+  const Hypothesis nominal = contest_.null().hypothesis;
+  const Hidden gain = {"actuator_gain", "input:T_airgap", {1.08}}, lag = {"sensor_lag", "output:T_shaft", {3e-3}};
+  pairs.contestants = {Found(nominal, {gain}), Found(nominal, {gain, lag})};
+  ASSERT_TRUE(IsExact(pairs.contestants[1].levels[level_]));
+  EXPECT_TRUE(CarryTwinsOfBase(pairs, contest_, nominal, *levels_, level_, magnitudes_));
+  ASSERT_EQ(pairs.contestants.size(), 3U);
+  EXPECT_EQ(pairs.contestants[2].Name(), "sensor_lag@output:T_shaft + sensor_gain@output:T_shaft");
+  EXPECT_TRUE(IsExact(pairs.contestants[2].levels[level_]));
 }
 
 }  // namespace
