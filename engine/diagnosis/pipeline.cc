@@ -317,12 +317,14 @@ void Pipeline::TellNumbers(const std::vector<std::pair<std::string, double>>& fa
 
 std::optional<Answer> Pipeline::BegunOtherwise(const Answer& answer) {
   const auto& [contest, settled] = answer;
-  if (!settled.exact || settled.causes.empty() || !contest.null().hypothesis.effects().empty() || Spent()) return {};
+  // What leaves nothing but noise on the training data alone may stand for what these alone show.
+  const std::optional<std::size_t> told = settled.causes.empty() ? settled.best : settled.causes.front();
+  if (!settled.exact || !told || !contest.null().hypothesis.effects().empty() || Spent()) return {};
   const Plan begun = identification::WithStartsWritten(problem_, begun_);
   const estimation::Hypothesis hypothesis = NullHypothesis(begun, contest.released, levels_, problem_.registry());
   const std::size_t level = settled.level, numbers = hypothesis.parameters().size();
   if (numbers == contest.null().hypothesis.parameters().size()) return {};
-  const Contestant& cause = contest.contestants[settled.causes.front()];
+  const Contestant& cause = contest.contestants[*told];
   const auto fit_from = [&](const Contestant& other, const estimation::EstimatorOptions& how) {
     const Eigen::VectorXd start = StartFrom(hypothesis, other.hypothesis, other.levels[level].q);
     return estimation::Fit(hypothesis, levels_[level], start, how);
@@ -338,6 +340,7 @@ std::optional<Answer> Pipeline::BegunOtherwise(const Answer& answer) {
   if (!null.Holds(level) || !fit.ok() || IsNearTheNoise(fit))
     fit = fit_from(cause, {.renewals = 6, .of_excess = policy::kCarriedTo});
   if (!fit.ok()) return {};
+  fit = AsLoudAs(null, level, std::move(fit));
   const double worse = LeftMore(fit, cause.levels[level], levels_.data());
   const bool exact = IsExact(fit), stands = exact && worse < policy::kAsWell;
   JournalEntry entry{"start",
