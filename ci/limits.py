@@ -4,7 +4,7 @@ the shipped ones with golden traces as wide as somebody would state by hand, 2 %
 
   ci/limits.py build/dynoproof [ID ...]    probes these (or the list) and keeps figures in engine/probe/limits.json, as they come
   ci/limits.py --builds NAME=PROGRAM ...   runs every scenario with its proposals by programs of other compilers and options, in each
-                                           class of processors; keeps the verdicts there
+                                           class of processors; keeps the verdicts there, and asks for those that are not kept
   ci/limits.py --write                     the table in engine/probe/README.md, from that file; `--check`: 1 where it is another
 
 A limit is true where a run with the effect at 1.2 times it fails a check, and one at 0.8 times it passes them all; each is a run of its
@@ -146,6 +146,8 @@ def run_by(name, program, scenario, kept):
         golden = Golden(folder)
         golden.state(scenario, kept["proposals"])
         for cpu_class in CLASSES:
+            if f"{name} {cpu_class}" in kept["builds"]:
+                continue
             said, done = document(program, golden, ["run", scenario, "--out", "out"], cpu_class)
             if said is None:
                 sys.exit(f"{scenario} by {name}\n{done.stderr}")
