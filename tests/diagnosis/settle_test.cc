@@ -247,6 +247,17 @@ TEST_F(SettleTest, WhereNoModelIsExactTheShareOnDataThatTookNoPartDecides) {
   EXPECT_TRUE(nothing.causes.empty());
 }
 
+TEST_F(SettleTest, WhereNoModelIsExactAThousandthLessIsNoReason) {
+  const auto with = [&](double second) {
+    return SettledOf({{.effect = "constant_load", .at = "inertia:I5", .share = 0.5, .held_out = 0.3},
+                      {.effect = "constant_load", .at = "inertia:I4", .share = second, .held_out = 0.3}});
+  };
+  const Settled alike = with(0.5005), apart = with(0.52);
+  EXPECT_EQ(alike.verdict, Conclusion::kAmbiguous) << alike.reason;
+  ASSERT_EQ(apart.verdict, Conclusion::kMainCause) << apart.reason;
+  EXPECT_EQ(apart.causes, std::vector<std::size_t>{1});
+}
+
 /// The journal gives the weight of the null model and its standard error at each level at which models were compared.
 TEST_F(SettleTest, TheJournalHoldsTheWeightsThatDecided) {
   for (const double left : {0.0, 0.2}) {  // by weights, and by shares
