@@ -62,9 +62,9 @@ def count(commit, files):
     for file in files:
         loaded = json.loads(pathlib.Path(file).read_text())
         for case in loaded["cases"] if isinstance(loaded, dict) else loaded:
-            cases[case["seed"], case["number"]] = case
+            cases[case["seed"], case["kind"], case["number"]] = case  # of one seed there may be a null and an effect of the same number
     first, second = halves(list(cases.values()))
-    parts = {seed: sum(1 for s, _ in cases if s == seed) for seed in sorted({s for s, _ in cases})}
+    parts = {seed: sum(1 for s, _, _ in cases if s == seed) for seed in sorted({s for s, _, _ in cases})}
     return {"commit": commit, "cases_by_seed": parts, "all": counted(cases.values()), "calibrating": counted(first), "checking": counted(second)}
 
 

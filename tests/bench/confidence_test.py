@@ -11,8 +11,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 import confidence  # noqa: E402
 
 
-def case(number, verdict, found, *hidden, seed=1):
-    return {"seed": seed, "number": number, "verdict": verdict, "found": found,
+def case(number, verdict, found, *hidden, seed=1, kind="effect"):
+    return {"kind": kind, "seed": seed, "number": number, "verdict": verdict, "found": found,
             "causes": [dict(zip(("effect", "at"), one.split("@"))) for one in hidden]}
 
 
@@ -41,6 +41,11 @@ class Count(unittest.TestCase):
         later = [case(1, "effect_found", "a@y ", "a@y")]
         rows = {(row["verdict"], row["several"]): (row["cases"], row["right"]) for row in self.counted(CASES, later)["all"]}
         self.assertEqual((3, 2), rows["effect_found", False])
+
+    def test_an_effect_and_a_null_of_one_number_are_two_cases(self):
+        null = [case(1, "effect_found", "a@x ", kind="null")]
+        rows = {(row["verdict"], row["several"]): (row["cases"], row["right"]) for row in self.counted(CASES, null)["all"]}
+        self.assertEqual((4, 1), rows["effect_found", False])
 
     def test_halves_have_each_case_once(self):
         kept = self.counted(CASES)
