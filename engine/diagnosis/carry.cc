@@ -183,8 +183,8 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
   return why;
 }
 
-/// Goes on with fits of a level that have ended before they had settled, of models that are not far behind the best: what such a one still has
-/// to gain may be more than what tells two models apart. Where the best leaves nothing but noise, so do they, or they are told apart by that.
+/// Continues the fits of models near the best one that had ended before they had settled: what such a fit still has to gain may be more than
+/// what tells two models apart. Where the best leaves nothing but noise, no fit is continued: the others then leave as little, or are beaten.
 void SettleThose(std::span<Contestant> contestants, const Levels& levels, std::size_t level) {
   const Contestant* leader = LeaderAt(contestants, levels, level);
   if (leader == nullptr || IsExact(leader->levels[level])) return;

@@ -83,7 +83,7 @@ class Pipeline {
   Result<Answer> Ask(Contestant null, bool released, const std::string& stage,
                      std::span<const Contestant> admitted = {});
 
-  /// The same on top of a model of the contest before, whose effects may have twins there.
+  /// The same on top of a model of the contest before, and which of that contest's models are twins of its effects.
   Result<Answer> AskOnTop(const Contestant& base, const Contest& before);
 
   /// The answer where the model's own numbers, let go together, leave nothing but noise: which of them are wrong.
@@ -103,9 +103,9 @@ class Pipeline {
   /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
   bool DoesWithout(Answer& answer, Answer& before);
 
-  /// Several effects that leave nothing but noise with nominal values far off may have one that is right, and others that stand for what
-  /// is: what one of them alone lacks, where that leaves nothing but noise and is plausible. Of those on top of which the answer was
-  /// found, that was asked. `alone`: effects fitted alone.
+  /// Of several effects that leave nothing but noise, but with nominal values far off, one may be right and the others stand for what is missing.
+  /// On top of each of them alone a further one is asked for; the answer is taken that leaves nothing but noise and is plausible. Effects on
+  /// top of which the answer was found are passed over. `alone`: effects fitted alone.
   std::optional<Answer> FromItsHalves(const Answer& answer, const Contest& alone);
   /// The model with one of its effects, as it was fitted alone.
   Contestant HalfOf(const Contestant& all, const estimation::Hypothesis::Applied& effect, std::size_t level,

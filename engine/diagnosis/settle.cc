@@ -246,8 +246,8 @@ class Shares {
  private:
   static constexpr const char* kAdmitted = "admitted";
 
-  /// Three error models: one beats another where it does so at one level at least, by what it leaves there, too, and is beaten at none. What
-  /// no model here explains follows each of them a little: a thousandth less is no reason.
+  /// Three error models: one beats another where it does so at one level at least, and is beaten at none. It has to leave clearly less
+  /// there, too: weights are sure of a thousandth where all models leave the same systematic error.
   bool Beats(std::size_t a, std::size_t b) const {
     bool wins = false;
     for (const std::size_t level : asked_) {

@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using estimation::Hypothesis;
 
-/// A fitted model as one of whose effects another one may replace. `without`: the model without that effect.
+/// A fitted model, of which another effect may replace one. `without`: the model without that one.
 class Replaced {
  public:
   Replaced(const Contestant& best, std::size_t effect, Hypothesis without, const Levels& levels, std::size_t level)
@@ -42,8 +42,8 @@ class Replaced {
     WeighAs(fit(), levels.data(), does_);
   }
 
-  /// Fits the models with the effects of these ones in that one's place, as far as they are its twins. `first`: the level at which these were
-  /// looked at.
+  /// The models in which a twin stands in that effect's place, fitted. `looked`: models whose last effects are the candidates. `first`: the level
+  /// at which these were looked at.
   std::vector<Contestant> Twins(std::span<const Contestant> looked, std::size_t first, const Contestant& null,
                                 const Levels& levels, const Magnitudes& magnitudes) const {
     std::vector<std::optional<Contestant>> fitted(looked.size());
@@ -98,10 +98,10 @@ class Replaced {
     return twin;
   }
 
-  /// Where a twin may begin; nothing: it is none. `both`: its effect on top of the best model. `looked`: the numbers to which it has come
-  /// alone.
+  /// Returns where the fit of a twin may begin; nothing where the candidate is none. `both`: the best model with the candidate on top. `looked`:
+  /// the numbers to which the candidate has come alone.
   std::vector<VectorXd> StartsOf(const Trial& both, const VectorXd& looked, const Hypothesis& model) const {
-    constexpr double kSmall = 0.02;  // of those numbers: a column is a derivative, and large effects are nowhere linear
+    constexpr double kSmall = 0.02;  // of those numbers: a column is a derivative, and a large effect is not linear
     if (does_.size() == 0) return {};
     VectorXd q = StartFrom(both.hypothesis, best_.hypothesis, fit().q);
     q.segment(both.own(), looked.size()) = looked;
@@ -113,7 +113,7 @@ class Replaced {
     const double beside_others = rest.dot(change), beside_all = signature.rest.dot(change);
     const bool alike = beside_all <= (1.0 - policy::kAlike * policy::kAlike) * beside_others;
     if (!alike || !(beside_others > 0.0)) return {};
-    // What that effect does, by as much of this one; or as much of this one as it was alone.
+    // It begins at the size at which it does what that effect does, or at the size to which it has come alone.
     const double size = rest.dot(does_) / beside_others;
     const VectorXd follow = inverse_ * (columns_.transpose() * (does_ - size * change));
     VectorXd there = fit().q;

@@ -70,8 +70,8 @@ struct EstimatorOptions {
   /// afar they lead astray, so that each step gets its own.
   bool near = false;
   std::optional<KnownColumns> known = {};
-  /// A step of little gain is no end: where numbers make up for each other it may cross a valley and end as high as it began, or stay within
-  /// a radius that leaves nearly all that there is to gain. What columns promise ends a descent then.
+  /// A descent does not end by a step of little gain, but where its columns promise little. Where numbers make up for each other, a step may
+  /// cross a valley and end as high as it began, or stay within a radius that leaves nearly all that there is to gain.
   bool patient = false;
   /// Columns by central differences, for twice the simulations. The curvature that a difference to one side takes along stands
   /// at right angles to the columns of an oscillation, and is more than what numbers show that make up for each other.
