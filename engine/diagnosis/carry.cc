@@ -61,35 +61,6 @@ VectorXd BestStart(const Contestant& contestant, const Contestant& null, const L
   return here;
 }
 
-/// At one level with columns of another fit, as far as they lead: of the null's those of the effect are new, one run for each of its
-/// numbers.
-Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                    const VectorXd& from, const std::optional<estimation::KnownColumns>& known) {
-  return AsLoudAs(null, level,
-                  Fit(contestant.hypothesis, levels[level], from,
-                      {.iterations = 10,
-                       .renewals = 2,
-                       .points = policy::kRoughPoints,
-                       .of_excess = policy::kCarriedTo,
-                       .near = true,
-                       .known = known}));
-}
-
-/// With columns of its own.
-Estimate FitFully(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
-                  const VectorXd& from) {
-  return AsLoudAs(
-      null, level,
-      Fit(contestant.hypothesis, levels[level], from,
-          {.renewals = 6, .points = PointsFor(contestant.hypothesis), .of_excess = policy::kCarriedTo, .near = true}));
-}
-
-/// Whether a fit leaves so much more than the best one that its last digits decide nothing.
-bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Levels& levels, std::size_t level) {
-  if (!estimate.ok() || leader == nullptr) return false;
-  return LogLeft(estimate, levels) > LogLeft(leader->levels[level], levels) + std::log(policy::kFarBehind);
-}
-
 /// Once more from the values that another model has found, where that ends lower.
 void FitFrom(Contestant& contestant, const Contestant& other, const Contestant& null, const Levels& levels,
              std::size_t level) {
@@ -206,6 +177,31 @@ void SettleThose(std::span<Contestant> contestants, const Levels& levels, std::s
 }
 
 }  // namespace
+
+Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                    const VectorXd& from, const std::optional<estimation::KnownColumns>& known) {
+  return AsLoudAs(null, level,
+                  Fit(contestant.hypothesis, levels[level], from,
+                      {.iterations = 10,
+                       .renewals = 2,
+                       .points = policy::kRoughPoints,
+                       .of_excess = policy::kCarriedTo,
+                       .near = true,
+                       .known = known}));
+}
+
+Estimate FitFully(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level,
+                  const VectorXd& from) {
+  return AsLoudAs(
+      null, level,
+      Fit(contestant.hypothesis, levels[level], from,
+          {.renewals = 6, .points = PointsFor(contestant.hypothesis), .of_excess = policy::kCarriedTo, .near = true}));
+}
+
+bool IsFarBehind(const Estimate& estimate, const Contestant* leader, const Levels& levels, std::size_t level) {
+  if (!estimate.ok() || leader == nullptr) return false;
+  return LogLeft(estimate, levels) > LogLeft(leader->levels[level], levels) + std::log(policy::kFarBehind);
+}
 
 std::string SteppedOver(const Contestant& contestant, const Levels& levels, std::size_t level) {
   const std::optional<std::size_t> before = ReachedBefore(contestant, level);

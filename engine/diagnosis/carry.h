@@ -1,6 +1,7 @@
 // Candidates from their first look through all levels, side by side.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -8,6 +9,18 @@
 #include "diagnosis/contestant.h"
 
 namespace dynoproof::diagnosis {
+
+/// Fits a model at one level with columns of another fit, as far as they lead: of the null's those of the effect are new, one run for each of its
+/// numbers.
+estimation::Estimate FitRoughly(const Contestant& contestant, const Contestant& null, const Levels& levels,
+                                std::size_t level, const Eigen::VectorXd& from,
+                                const std::optional<estimation::KnownColumns>& known);
+/// The same with columns of its own.
+estimation::Estimate FitFully(const Contestant& contestant, const Contestant& null, const Levels& levels,
+                              std::size_t level, const Eigen::VectorXd& from);
+/// Whether a fit leaves so much more than the best one that its last digits decide nothing.
+bool IsFarBehind(const estimation::Estimate& estimate, const Contestant* leader, const Levels& levels,
+                 std::size_t level);
 
 /// Why a model is not fitted at a level that only leads to the exact minimum of the free run: it is far from the noise before, and
 /// has no such minimum, or there already. Empty: it is fitted.

@@ -1,7 +1,6 @@
 #include "diagnosis/twins.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "diagnosis/carry.h"
 #include "diagnosis/policy.h"
 #include "linear/dense.h"
 
@@ -80,21 +80,12 @@ class Replaced {
     Contestant twin(model);
     twin.levels.resize(levels.size());
     for (estimation::Estimate& one : twin.levels) one.broken = "a twin of " + best_.Name();
-    const double far = LogLeft(fit(), levels) + std::log(policy::kFarBehind);
-    const auto fits_from = [&](const VectorXd& q, const estimation::EstimatorOptions& how) {
-      twin.levels[level_] = AsLoudAs(null, level_, estimation::Fit(model, levels[level_], q, how));
-      return twin.Holds(level_) && LogLeft(twin.levels[level_], levels) <= far;
-    };
-    const estimation::EstimatorOptions roughly = {.iterations = 10,
-                                                  .renewals = 2,
-                                                  .points = policy::kRoughPoints,
-                                                  .of_excess = policy::kCarriedTo,
-                                                  .near = true,
-                                                  .known = estimation::KnownColumns{&best_.hypothesis, &fit()}};
-    if (!fits_from(*from, roughly)) return std::nullopt;
-    const VectorXd rough = twin.levels[level_].q;
-    if (!fits_from(rough, {.renewals = 6, .points = PointsFor(model), .of_excess = policy::kCarriedTo, .near = true}))
-      return std::nullopt;
+    estimation::Estimate& own = twin.levels[level_];
+    const estimation::KnownColumns known{&best_.hypothesis, &fit()};
+    own = FitRoughly(twin, null, levels, level_, *from, known);
+    if (!own.ok() || IsFarBehind(own, &best_, levels, level_)) return std::nullopt;
+    own = FitFully(twin, null, levels, level_, Eigen::VectorXd(own.q));
+    if (!own.ok() || IsFarBehind(own, &best_, levels, level_)) return std::nullopt;
     return twin;
   }
 
