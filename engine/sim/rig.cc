@@ -554,7 +554,8 @@ class RigBuilder {
       }
       for (std::size_t k = 0; k < rig_->outputs.size(); ++k) {
         const OutputLine& line = rig_->outputs[k];
-        if (line.ring >= 0 && line.sample_fraction == cuts[i]) interval.samples.push_back(static_cast<int>(k));
+        if (line.ring >= 0 && line.sample_fraction > 0.0 && line.sample_fraction == cuts[i])
+          interval.samples.push_back(static_cast<int>(k));
       }
       rig_->intervals.push_back(std::move(interval));
     }

@@ -48,9 +48,10 @@ struct InputLine {
 struct OutputLine {
   std::string name, unit, description;
   double nominal = 1.0;
-  int signal = -1;        // slot at the end of the chain
-  int sample = -1;        // slot that controls read as output.NAME
-  int delay_periods = 0;  // a sample taken in step k at `sample_fraction` shows at tick k + delay_periods
+  int signal = -1;  // slot at the end of the chain
+  int sample = -1;  // slot that controls read as output.NAME
+  int delay_periods =
+      0;  // a sample taken in step k at `sample_fraction`, 0: at its tick, shows at tick k + delay_periods
   double sample_fraction = 0.0;
   int ring = -1;
 };

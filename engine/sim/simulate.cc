@@ -29,8 +29,15 @@ Status Simulation::Start() {
 void Simulation::TakeSamples() {
   solver_.Evaluate(frame_, rig_.SecondsOf(frame_.time));
   for (const OutputLine& line : rig_.outputs) {
-    frame_.signals[line.sample] =
-        line.ring < 0 ? frame_.signals[line.signal] : frame_.rings[line.ring + frame_.step % line.delay_periods];
+    const double signal = frame_.signals[line.signal];
+    if (line.ring < 0) {
+      frame_.signals[line.sample] = signal;
+      continue;
+    }
+    double& oldest = frame_.rings[line.ring + frame_.step % line.delay_periods];
+    frame_.signals[line.sample] = oldest;
+    // A delay of whole periods shows what a sample without delay was, before controls and commands of that tick have changed it.
+    if (line.sample_fraction == 0.0) oldest = signal;
   }
 }
 

@@ -1,7 +1,8 @@
 // The course of a run, written once for both solvers. x: states, u: held signals; - before, + after a tick.
 //
 //   start      sources at t = 0 give u; blocks start; delay lines are filled with their first values (control: tick 0)
-//   tick k     1 sample    evaluate all signals from (x-, u-); samples leave the delay lines of the sensors
+//   tick k     1 sample    evaluate all signals from (x-, u-); samples leave the delay lines of the sensors, and
+//                          those that a sensor shows whole periods later enter them
 //              2 control   each controller that is due ticks, in data-flow order (ties by name); it sees the samples
 //                          of 1 and the new outputs of the controllers before it
 //              3 hold      sources and controllers give the commands u+; commands enter the delay lines

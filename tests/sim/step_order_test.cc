@@ -60,6 +60,28 @@ TEST(StepOrder, DelaysOfAnyLengthAreExact) {
   }
 }
 
+/// A command jumps at a tick, and a sample of that tick shows what was before. So does one that comes whole periods late.
+TEST(StepOrder, WholePeriodsOfDelayShiftTheSamplesOfAHeldSignal) {
+  const auto samples_of = [](int periods, const char* solver) {
+    Plan plan = OneMass(1.0, Value{{"type", "ramp"}, {"to", 1.0}, {"duration_s", 0.01}}, 0.01);
+    plan.root["output"]["w"]["of"] = "input.T";
+    if (periods > 0)
+      plan.root["output"]["w"]["sensor"] = Value(Value::Array{Value{{"type", "delay"}, {"delay_s", periods * 1e-4}}});
+    return RunPlan(plan, solver).outputs[0];
+  };
+  for (const char* solver : kSolvers) {
+    const std::vector<double> at_once = samples_of(0, solver);
+    ASSERT_GT(at_once.size(), 100u);
+    EXPECT_NE(at_once[50], at_once[51]);
+    for (const int periods : {1, 3, 12}) {
+      const std::vector<double> late = samples_of(periods, solver);
+      ASSERT_EQ(late.size(), at_once.size());
+      for (std::size_t k = static_cast<std::size_t>(periods); k < late.size(); ++k)
+        EXPECT_EQ(late[k], at_once[k - static_cast<std::size_t>(periods)]) << solver << " " << periods << " row " << k;
+    }
+  }
+}
+
 /// Before the run a controller gave what it gives first: a constant torque behind a delay acts from the start.
 TEST(StepOrder, ADelayBehindAControllerBeginsWithItsFirstCommand) {
   for (const double delay_s : {0.37e-4, 1e-4, 2.5e-4, 1.234567e-3}) {
