@@ -11,6 +11,7 @@
 #include "diagnosis/carry.h"
 #include "diagnosis/policy.h"
 #include "linear/dense.h"
+#include "model/effect_size.h"
 
 namespace dynoproof::diagnosis {
 namespace {
