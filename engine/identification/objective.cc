@@ -4,6 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "identification/noise_model.h"
 #include "identification/start.h"
@@ -14,7 +17,19 @@ namespace {
 
 class FreeRun : public Objective {
  public:
-  explicit FreeRun(const EstimationProblem& problem) : problem_(problem) {}
+  explicit FreeRun(const EstimationProblem& problem) : problem_(problem) {
+    std::map<std::string, std::pair<double, double>> of_output;  // squares of spreads, and rows
+    for (const ComparedOutput& c : problem.channels()) {
+      auto& [squares, rows] = of_output[c.name];
+      squares += static_cast<double>(c.count) * std::pow(c.spread, 2);
+      rows += static_cast<double>(c.count);
+    }
+    for (const ComparedOutput& c : problem.channels()) {
+      const auto& [squares, rows] = of_output[c.name];
+      const double spread = std::sqrt(squares / std::max(1.0, rows));
+      size_of_.push_back(spread > 1e-9 * c.nominal ? spread : c.nominal);
+    }
+  }
 
   Eigen::Index size() const override { return problem_.measured().size(); }
 
@@ -24,9 +39,10 @@ class FreeRun : public Objective {
     Result<Eigen::VectorXd> predicted = problem_.PredictPlan(*from_start);
     if (!predicted.ok()) return predicted;
     Eigen::VectorXd error = problem_.measured() - *predicted;
-    // A constant has no spread; its unit has a size.
-    for (const ComparedOutput& c : problem_.channels())
-      error.segment(c.begin, c.count) /= c.spread > 1e-9 * c.nominal ? c.spread : c.nominal;
+    for (std::size_t k = 0; k < size_of_.size(); ++k) {
+      const ComparedOutput& c = problem_.channels()[k];
+      error.segment(c.begin, c.count) /= size_of_[k];
+    }
     return error;
   }
 
@@ -38,6 +54,9 @@ class FreeRun : public Objective {
 
  private:
   const EstimationProblem& problem_;
+  /// By channel: the spread of its output over all records, for an error of one size is as bad in each. A constant has no spread; its unit
+  /// has a size.
+  std::vector<double> size_of_;
 };
 
 // Narrow bands know more, and have false minima beside the truth: a transient's spectrum has fringes.

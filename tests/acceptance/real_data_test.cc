@@ -2,6 +2,8 @@
 // part of this repository; without them the tests are skipped.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/program.h"
 
 namespace dynoproof::test {
@@ -50,8 +52,8 @@ TEST_F(SlowRealData, ASpringThatHardensExplainsTheSilverbox) {
   EXPECT_NEAR(found["parameters"]["plant.shaft.spring.k3_Nm_per_rad3"]["value"].get<double>(), 3.91, 0.05);
 }
 
-// The area alone hides the friction, friction alone hides the area. By hand, both runs weighed alike: 524 mm2 and 5.8 N; of the
-// friction, which grows with pressure, 4.0 N + 0.55 N/bar. Here each run is weighed by what is left of it.
+// The area alone hides the friction, friction alone hides the area. By hand: 524 mm2 and 5.8 N; of the friction, which grows with
+// pressure, 4.0 N + 0.55 N/bar. A newton counts alike in both runs, though the force of the one spreads more.
 TEST_F(SlowRealData, AreaAndFrictionOfACylinderAreFoundTogether) {
   const std::string train = Data("pneumatic_cylinder/train.csv");
   if (!fs::exists(train)) GTEST_SKIP() << train << " is not here";
@@ -74,10 +76,11 @@ TEST_F(SlowRealData, AreaAndFrictionOfACylinderAreFoundTogether) {
   EXPECT_NEAR(value(area), 524e-6, 1e-6) << area.dump(1);
   EXPECT_LT(area["ci95"][0].get<double>(), 524e-6) << area.dump(1);
   EXPECT_GT(area["ci95"][1].get<double>(), 524e-6) << area.dump(1);
-  const double friction = value(both["plant.load.seal.T_c_Nm"]);
-  EXPECT_GT(friction, 5.8 / 1.1) << both.dump(1);
-  EXPECT_LT(friction, 5.8 * 1.1) << both.dump(1);
-  // At 3 and 7 bar, which took no part: 20.8 N RMS with the nominal bore, 11.0 and 8.1 N of spread.
+  const nlohmann::json friction = both["plant.load.seal.T_c_Nm"];
+  EXPECT_NEAR(value(friction), 5.8, 0.1) << friction.dump(1);
+  EXPECT_LT(friction["ci95"][0].get<double>(), 5.8) << friction.dump(1);
+  EXPECT_GT(friction["ci95"][1].get<double>(), 5.8) << friction.dump(1);
+  // At 3 and 7 bar, which took no part: 20.8 N RMS with the nominal bore, 1.84 N by hand.
   const std::string holdout = Data("pneumatic_cylinder/holdout.csv");
   const auto left = [&](const std::string& scenario, const std::string& bar) {
     bench_.Call({"run", scenario, "--data", holdout, "--map", Real("pneumatic_cylinder_" + bar + "bar.toml"), "--json",
@@ -85,8 +88,18 @@ TEST_F(SlowRealData, AreaAndFrictionOfACylinderAreFoundTogether) {
     return nlohmann::json::parse(ReadBytes(bench_ / "run.json"))["scenarios"][0]["figures"]["F.nrmse"]["value"]
         .get<double>();
   };
-  for (const char* bar : {"3", "7"})
-    EXPECT_LT(left("found.toml", bar), 0.15 * left(Real("pneumatic_cylinder.toml"), bar)) << bar;
+  struct Run {
+    const char* bar;
+    double rows, spread_N;
+  };
+  double squares = 0.0, rows = 0.0;
+  for (const Run& run : {Run{"3", 3265.0, 8.09}, Run{"7", 4392.0, 11.01}}) {
+    const double nrmse = left("found.toml", run.bar);
+    EXPECT_LT(nrmse, 0.15 * left(Real("pneumatic_cylinder.toml"), run.bar)) << run.bar;
+    squares += run.rows * std::pow(nrmse * run.spread_N, 2);
+    rows += run.rows;
+  }
+  EXPECT_LT(std::sqrt(squares / rows), 1.1 * 1.84);  // 1.93
 }
 
 TEST_F(SlowRealData, DiagnoseFindsTheSpringThatHardens) {
