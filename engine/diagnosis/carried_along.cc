@@ -78,7 +78,7 @@ std::size_t WithItsOtherPlaces(std::vector<Contestant>& ranked, std::size_t kept
   std::vector<std::pair<Hypothesis, VectorXd>> models;
   for (const Place& place : effect.Places(null.hypothesis.nominal())) {
     // A relative change is another one at another number.
-    if (place.kind != leader.place().kind || !effect.ScaledParameter(place).empty()) continue;
+    if (!effect.ScaledParameter(place).empty()) continue;
     if (std::ranges::count(null.hypothesis.effects(), Hypothesis::Applied{&effect, place}) > 0) continue;
     const Hypothesis model = null.hypothesis.With(effect, place, magnitudes);
     const auto known = std::ranges::find(ranked, model.Name(), &Contestant::Name);

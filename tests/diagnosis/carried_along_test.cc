@@ -22,6 +22,9 @@ using estimation::WithEffect;
 
 class CarriedAlong : public ::testing::Test {
  protected:
+  explicit CarriedAlong(const char* file = "scenarios/diagnose/heavy_duty_lumped.toml")
+      : plan_(Scenario(file, {"run.duration_s=0.3"})) {}
+
   Contestant Looked(const char* effect, const char* at, double value) const {
     const auto model = null_.hypothesis.With(*testing::BuiltIns().FindEffect(effect), *ParsePlace(at), magnitudes_);
     Eigen::VectorXd from = StartFrom(model, null_.hypothesis, null_.levels[first_].q);
@@ -29,7 +32,7 @@ class CarriedAlong : public ::testing::Test {
     return FitOnce(model, from, null_, *levels_, first_, 2);
   }
 
-  Plan plan_ = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
+  Plan plan_;
   MappedRecord record_ =
       RecordOf(WithEffect(plan_, "constant_load", "inertia:I4", {120.0}), 0.01, {"T_shaft", "omega_1"});
   std::unique_ptr<Levels> levels_ = *Levels::Of(plan_, {record_}, testing::BuiltIns(), 0.0, 1000);
@@ -54,6 +57,20 @@ TEST_F(CarriedAlong, WhatRemovesMostIsTriedAtItsOtherPlaces) {
     EXPECT_LE(1.0 - one->share, policy::kFarBehind * (1.0 - leader.share)) << one->Name();
   }
   EXPECT_EQ(end->Name(), other.Name()) << "stays behind those";
+}
+
+class BesideASoftRotor : public CarriedAlong {
+ protected:
+  BesideASoftRotor() : CarriedAlong("scenarios/diagnose/heavy_duty_soft.toml") {}
+};
+
+TEST_F(BesideASoftRotor, ARotorAndAnInertiaAreOtherPlacesOfOneEffect) {
+  std::vector<Contestant> ranked = {Looked("constant_load", "rotor:I1", 100.0)};
+  ASSERT_GE(ranked.front().share, policy::kMost);
+  const std::size_t kept = WithItsOtherPlaces(ranked, 1, null_, *levels_, first_, magnitudes_);
+  EXPECT_EQ(std::count_if(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept),
+                          [](const auto& one) { return one.Name() == "constant_load@inertia:I4"; }),
+            1);
 }
 
 TEST_F(CarriedAlong, WhatRemovesLittleIsTriedNowhereElse) {
