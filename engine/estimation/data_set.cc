@@ -31,7 +31,7 @@ const Channel* Find(const std::vector<Channel>& channels, std::size_t record, co
 }  // namespace
 
 DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options)
-    : records_(std::move(records)), one_model_error_(options.one_model_error) {
+    : records_(std::move(records)) {
   std::vector<double> measured;
   for (std::size_t r = 0; r < records_.size(); ++r) {
     MappedRecord& record = records_[r];

@@ -29,7 +29,6 @@ class DataSet {
     double from_share = 0.0;                 // of the length of each record, at the earliest
     Eigen::Index most_rows = 1'000'000'000;  // of a channel: every other row goes until no more are left
     const DataSet* noise_of = nullptr;       // another part of the same records, of which their noise is known
-    bool one_model_error = false;            // what a model leaves beyond the noise weighs alike in all records
   };
   DataSet(std::vector<MappedRecord> records, const Plan& plan, const Options& options);
   DataSet(std::vector<MappedRecord> records, const Plan& plan) : DataSet(std::move(records), plan, Options()) {}
@@ -38,7 +37,6 @@ class DataSet {
   const std::vector<MappedRecord>& records() const { return records_; }
   const std::vector<Channel>& channels() const { return channels_; }
   const Eigen::VectorXd& measured() const { return measured_; }
-  bool one_model_error() const { return one_model_error_; }
   /// Of each row [s].
   const std::vector<double>& time_s() const { return time_s_; }
 
@@ -47,7 +45,6 @@ class DataSet {
   std::vector<Channel> channels_;
   Eigen::VectorXd measured_;
   std::vector<double> time_s_;
-  bool one_model_error_ = false;
 };
 
 /// Rows of all channels of one record in one stretch of time.

@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "linear/dense.h"
@@ -278,27 +276,6 @@ double CorrelationTime(const Eigen::Ref<const VectorXd>& rows) {
   return 1.0 + 2.0 * sum;
 }
 
-namespace {
-
-/// A channel keeps its own noise, and beyond that has what the model leaves of its output in all records: a record of which the model
-/// explains less tells no less for that.
-void ShareModelError(const std::vector<Channel>& channels, std::vector<ChannelScale>& scales) {
-  std::map<std::string, std::pair<double, double>> of_output;  // squares beyond the noise, and rows
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    auto& [squares, rows] = of_output[channels[c].name];
-    const auto count = static_cast<double>(channels[c].count);
-    squares += count * std::max(0.0, std::pow(scales[c].rms, 2) - std::pow(scales[c].noise_alone, 2));
-    rows += count;
-  }
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const auto& [squares, rows] = of_output[channels[c].name];
-    const double noise = std::min(scales[c].rms, scales[c].noise_alone);
-    scales[c].rms = std::hypot(noise, std::sqrt(squares / std::max(1.0, rows)));
-  }
-}
-
-}  // namespace
-
 std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovations, const VectorXd& noise_alone) {
   std::vector<ChannelScale> scales;
   for (std::size_t c = 0; c < data.channels().size(); ++c) {
@@ -307,7 +284,6 @@ std::vector<ChannelScale> ScalesOf(const DataSet& data, const VectorXd& innovati
     const double rms = std::sqrt(rows.squaredNorm() / static_cast<double>(std::max<Index>(1, channel.count)));
     scales.push_back({std::max(rms, channel.noise), noise_alone[static_cast<Index>(c)], CorrelationTime(rows)});
   }
-  if (data.one_model_error()) ShareModelError(data.channels(), scales);
   return scales;
 }
 

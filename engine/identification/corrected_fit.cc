@@ -209,7 +209,7 @@ Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& opt
   // in one stays in the free run behind it.
   const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
   const double lead_in_s = in_motion && corrected ? estimation::LeadInOf(memories.front(), duration_s) : 0.0;
-  const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows, .one_model_error = true});
+  const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   std::vector<std::unique_ptr<Predictor>> levels;
   const auto add = [&](std::optional<double> memory_s) {

@@ -197,32 +197,6 @@ TEST(SlowEstimator, FindsFrictionOfASoftRotor) {
   ExpectTruth(Hidden(plan, "coulomb_friction", "inertia:I5", 10.0, 106), 1.0, 10.0, 0.5, 0.2, 1500);
 }
 
-/// Two records of one torque, of which one is three times as noisy. What the model leaves beyond the noise counts alike in both, and where it
-/// leaves nothing each record counts by its own noise.
-TEST(Estimator, SharesTheModelsErrorAmongRecordsAndNotTheirNoise) {
-  const Plan plan = FourMasses(0.3);
-  const DataSet data({RecordOf(plan, 0.01, {"T_shaft"}), RecordOf(plan, 0.03, {"T_shaft"})}, plan,
-                     {.one_model_error = true});
-  const Channel &quiet = data.channels()[0], &noisy = data.channels()[1];
-  const Eigen::Vector2d noise(quiet.noise, noisy.noise);
-  Eigen::VectorXd left(data.measured().size());
-  const auto scales_of = [&](double first, double second) {
-    left.segment(quiet.begin, quiet.count).setConstant(first);
-    left.segment(noisy.begin, noisy.count).setConstant(second);
-    return ScalesOf(data, left, noise);
-  };
-  const std::vector<ChannelScale> exact = scales_of(quiet.noise, noisy.noise);
-  EXPECT_NEAR(exact[0].rms, quiet.noise, 1e-9 * quiet.noise);
-  EXPECT_NEAR(exact[1].rms, noisy.noise, 1e-9 * noisy.noise);
-  // Equal shares of the rows: the mean of the squares beyond the noise.
-  const double of_model = std::sqrt((9999.0 + 441.0) / 2.0) * noisy.noise;
-  const std::vector<ChannelScale> inexact =
-      scales_of(std::hypot(quiet.noise, std::sqrt(9999.0) * noisy.noise), std::hypot(1.0, 21.0) * noisy.noise);
-  ASSERT_EQ(quiet.count, noisy.count);
-  EXPECT_NEAR(inexact[0].rms, std::hypot(quiet.noise, of_model), 1e-9 * of_model);
-  EXPECT_NEAR(inexact[1].rms, std::hypot(noisy.noise, of_model), 1e-9 * of_model);
-}
-
 TEST(Estimator, EndsAtTheStartWhereNothingIsFree) {
   const Plan plan = FourMasses(0.3);
   const DataSet data({RecordOf(plan, 0.005, {"T_shaft", "omega_1"})}, plan);
