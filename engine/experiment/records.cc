@@ -168,7 +168,10 @@ class Mapper {
       if (raw.base.last_row[i] > first) raw.before_event[i] = to_si->first * values[first] + to_si->second;
     }
     if (channel.derivative) Differentiate(raw);
-    if (!channel.between.empty()) result_.between[channel.name] = channel.between;
+    if (!channel.between.empty())
+      result_.between[channel.name] = channel.between;
+    else if (input && column->held && !channel.derivative)
+      result_.between[channel.name] = "held";
     raw_.push_back(std::move(raw));
   }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -44,8 +43,9 @@ std::vector<Proposal> Propose(const std::vector<Finding>& findings, const std::m
     std::vector<const Finding*> seen;
     for (const auto& [output, distance] : apart) {
       std::vector<const Finding*> sees;
-      std::ranges::copy_if(left, std::back_inserter(sees),
-                           [&](const Finding* hole) { return WidthFor(*hole, output, distance).has_value(); });
+      for (const Finding* hole : left) {
+        if (WidthFor(*hole, output, distance)) sees.push_back(hole);
+      }
       if (sees.size() > seen.size()) best = output, seen = std::move(sees);
     }
     if (seen.empty()) break;

@@ -249,6 +249,7 @@ class DatasetsReader {
     if (planned.signals == 1) {
       record_.columns.push_back({.name = planned.name, .unit = planned.meaning.unit, .values = std::move(last_)});
       record_.columns.back().heading = heading(planned.path);
+      record_.columns.back().held = planned.meaning.holds;
       last_path_.clear();
       return {};
     }

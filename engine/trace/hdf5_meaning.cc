@@ -155,6 +155,11 @@ class MeaningReader {
       if (text != nullptr && (meaning_.unit.empty() || attribute == "unit")) meaning_.unit = *text;
       return {};
     }
+    if (plain == "interpolation") {
+      const Result<Attribute> value = ReadAttribute(dataset_, attribute);
+      meaning_.holds = value.ok() && *value == Attribute(std::string("hold"));  // other words are somebody else's
+      return {};
+    }
     if (plain == "scalefactor") return One(attribute, meaning_.scale);
     if (plain == "addoffset") return One(attribute, meaning_.offset);
     if (plain == "unsigned") return TakeSign(attribute);

@@ -19,6 +19,7 @@ void Members(Archive& archive, Column& column) {
   Pass(archive, column.values);
   Pass(archive, column.time);
   Pass(archive, column.heading);
+  Pass(archive, column.held);
 }
 
 template <class Archive>

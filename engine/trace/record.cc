@@ -117,8 +117,11 @@ Record ToRecord(const Trace& trace, std::string source) {
   }
   for (const Signal& signal : trace.signals) {
     // The time bases are the first columns, in their order, so their numbers are the same.
-    record.columns.push_back(
-        {.name = signal.name, .unit = signal.unit, .values = signal.values, .time = signal.time_base});
+    record.columns.push_back({.name = signal.name,
+                              .unit = signal.unit,
+                              .values = signal.values,
+                              .time = signal.time_base,
+                              .held = signal.interpolation == Interpolation::kHold});
   }
   record.time = 0;
   FinishRecord(record);

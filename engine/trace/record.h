@@ -23,6 +23,7 @@ struct Column {
   std::vector<double> values = {};       // NaN where the file has NaN or an empty cell, see Record::non_finite
   std::optional<std::size_t> time = {};  // the column of its time stamps, if the file has one; none for a time column
   std::string heading = {};              // what stands above it, where name and unit were told apart: "time [ms]"
+  bool held = false;                     // the file says that it holds each sample until the next
 };
 
 /// Where a column is not finite. Row numbers start at 0, line numbers at 1; `first_line` is 0 for binary files.

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A newcomer's first steps, as README.md, scenarios/README.md and `describe` lead: every command of the README runs in a clean
 folder as it is written, and so does every change that the pages invite. first_steps_test.py PROGRAM"""
+import json
 import os
 import re
 import sys
@@ -106,6 +107,16 @@ class FirstSteps(Steps):
         for key, true in (("plant.inertia.I3", 0.52), ("plant.shaft.k2.stiffness_Nm_per_rad", 2.5e5)):
             # A band-limited interpolation is that good up to 0.8 of half the sampling rate, where this chirp ends.
             self.assertAlmostEqual(found[key]["value"] / true, 1.0, delta=1e-4, msg=key)
+
+    def test_model_against_model(self):
+        (script,) = blocks("engine/diagnosis/README.md", "sh", "Model against model")
+        said = self.script(script)
+        self.assertNotIn("between their samples", said, "a trace says that its inputs are held")
+        found = json.loads((self.folder / "out/two_models/in_what.json").read_text())
+        self.assertEqual(found["verdict"], "effect_found")
+        (friction,) = found["effects"]
+        self.assertEqual((friction["name"], friction["at"]), ("coulomb_friction", "inertia:I3"))
+        self.assertAlmostEqual(friction["parameters"]["T_c"]["value"], 5.0, delta=1e-3)
 
     def test_the_changes_of_the_pages(self):
         (excerpt,), changes = blocks("README.md", "toml"), CHANGES

@@ -64,6 +64,16 @@ TEST(Hdf5Record, TraceLayoutKeepsEveryTimeBase) {
   EXPECT_THAT(record->non_finite, IsEmpty());
 }
 
+TEST(Hdf5Record, ATraceSaysWhichSignalsAreHeld) {
+  const TempDir dir;
+  ASSERT_EQ(WriteTrace(dir / "a.h5", SampleTrace()), std::nullopt);
+  const std::vector<std::string> wanted = {"/time", "/signals/u[0]", "/signals/T_shaft"};
+  for (const Result<Record>& record : {ReadHdf5Record(dir / "a.h5"), ReadHdf5Record(dir / "a.h5", wanted)}) {
+    ASSERT_TRUE(record.ok()) << record.failure().ToString();
+    for (const Column& column : record->columns) EXPECT_EQ(column.held, column.name.ends_with("u[0]")) << column.name;
+  }
+}
+
 TEST(Hdf5Record, TimeBasesOfEqualLengthStayApart) {
   Trace trace = SampleTrace(20);
   trace.other_times[0] = trace.time;
