@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "app/app.h"
 #include "base/text.h"
@@ -86,9 +89,9 @@ int Export(const ExportArguments& arguments) {
     failed = trace::WriteCsv(file, rasters[r]);
     files.push_back(file.string());
     if (rasters.size() > 1 && !failed) {
-      Note(
-          fmt::format("{}: {} rows of {}\n", file.string(), rasters[r].front().values.size(),
-                      fmt::join(rasters[r] | std::views::drop(1) | std::views::transform(&trace::Column::name), ", ")));
+      std::vector<std::string> names;
+      for (const trace::Column& column : std::span(rasters[r]).subspan(1)) names.push_back(column.name);
+      Note(fmt::format("{}: {} rows of {}\n", file.string(), rasters[r].front().values.size(), fmt::join(names, ", ")));
     }
   }
   if (failed) {

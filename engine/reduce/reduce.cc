@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <ranges>
 #include <set>
 
 #include "experiment/compare_traces.h"
@@ -406,7 +405,7 @@ class Reducer {
     std::vector<std::string> done;
     Halve(possible, done);
     // What was refused alone mostly is so again, and would take others of its half along.
-    for (const Move& move : once_more | std::views::reverse) Halve({move}, done);
+    for (auto move = once_more.rbegin(); move != once_more.rend(); ++move) Halve({*move}, done);
     if (done.empty()) return false;
     constexpr std::size_t kSaid = 4;
     std::string text = fmt::format(

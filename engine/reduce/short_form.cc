@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ranges>
 
 #include "scenario/load.h"
 
@@ -71,7 +70,7 @@ std::string ShortForm(const Value& root) {
 
 std::size_t LinesOf(const std::string& toml) {
   std::size_t lines = 0;
-  for (const auto line : toml | std::views::split('\n')) lines += std::ranges::empty(line) ? 0 : 1;
+  for (std::size_t i = 0; i < toml.size(); ++i) lines += toml[i] != '\n' && (i == 0 || toml[i - 1] == '\n') ? 1 : 0;
   return lines;
 }
 

@@ -57,7 +57,7 @@ std::string Keep(const AtlasFigure& figure, Picture& picture) {
 /// The picture of that name; of a signal over time the one that it shares with others of its unit, where it has none alone.
 std::vector<Picture>::const_iterator FindPicture(const std::vector<Picture>& pictures, const std::string& key) {
   const auto named = std::ranges::find(pictures, key, &Picture::key);
-  constexpr std::string_view kCourse = "time:";
+  static constexpr std::string_view kCourse = "time:";
   if (named != pictures.end() || !key.starts_with(kCourse)) return named;
   return std::ranges::find_if(pictures, [signal = key.substr(kCourse.size())](const Picture& one) {
     return one.key.starts_with(kCourse) && std::ranges::find(one.curves, signal, &Curve::label) != one.curves.end();

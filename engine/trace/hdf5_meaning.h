@@ -31,7 +31,7 @@ struct Meaning {
   bool limits_of_values = false;  // else of stored numbers
   double turn = 0.0;              // 2^bits where the sign of integers is other than their type says
   bool is_signed = true;          // what their type says
-  bool holds = false;              // each sample until the next, as a trace says it
+  bool holds = false;             // each sample until the next, as a trace says it
 
   /// Turns stored numbers into values.
   void Apply(std::vector<double>& values) const;
