@@ -39,6 +39,17 @@ def mutants():
             "a sample's delay", page)
 
 
+def probes():
+    spots, limits = (json.loads((block.ROOT / f"engine/probe/{name}.json").read_text()) for name in ("blind_spots", "limits"))
+    tried, passing = (sum(one["all"][key] for one in spots.values()) for key in ("tried", "pass"))
+    stated = [limit for one in limits.values() for limit in one["limits"]]
+    true = sum(limit["seen_above"] and not limit["seen_below"] for limit in stated)
+    return ("What would the checks not see?",
+            f"of {tried} usual errors in {len(spots)} shipped scenarios {passing} pass all checks; a run with an error a fifth larger than "
+            f"`probe` says would pass failed, and one a fifth smaller passed, of {true} of {len(stated)} limits in scenarios as users "
+            "write them", "engine/probe/README.md#the-shipped-scenarios")
+
+
 def readers():
     results = json.loads((block.ROOT / "tests/fuzz/results.json").read_text())
     fuzz, flips = results["fuzz"].values(), results["flips"]
@@ -84,7 +95,7 @@ def diagnosis():
 def main(options):
     rows = ["| question | what was tried, and what came out |", "|---|---|"]
     rows += [f"| {question} | {answer} ([all]({page})) |"
-             for question, answer, page in (comparison(), mutants(), readers(), kills(), claims(), diagnosis())]
+             for question, answer, page in (comparison(), mutants(), probes(), readers(), kills(), claims(), diagnosis())]
     if options == ["--write"]:
         block.write(PAGE, "trust", rows)
     elif options:
