@@ -19,7 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 REAL = ROOT / "tests" / "real"
 FRICTION = ("coulomb_friction", "stribeck_friction", "asymmetric_friction", "dahl_friction")
 
-# name, scenario, maps of data and hold-out, data, hold-out, --set, causes that are documented, where; NRMSE on the hold-out that
+# name, scenario, maps of data and hold-out, data, hold-out (several one after the other), --set, causes that are documented, where; NRMSE on the hold-out that
 # a fit by hand reaches [%], where it compares the same signal
 CASES = [
     ("servo axis, fitted", "servo_axis", ["servo_axis_map"], "servo_axis/DATA_EMPS.mat",
@@ -39,15 +39,20 @@ CASES = [
      "coupled_drives/drive.mat", [], ("sensor_rectified",), "output:z", "38"),
     ("motor that cogs, fitted", "cogging", ["cogging_map"], "cogging_motor/train.csv", "cogging_motor/holdout.csv", [],
      ("torque_ripple",), "inertia:rotor", "-"),
+    ("pneumatic cylinder, data sheet", "pneumatic_cylinder", [f"pneumatic_cylinder_{bar}bar" for bar in (1, 5, 3, 7)],
+     "pneumatic_cylinder/train.csv pneumatic_cylinder/train.csv", "pneumatic_cylinder/holdout.csv pneumatic_cylinder/holdout.csv", [],
+     FRICTION, "inertia:piston", "18.6"),
 ]
 
 
 def diagnose(case, arguments):
     name, scenario, maps, data, holdout, sets, causes, at, by_hand = case
     out = arguments.out / name.replace(" ", "_").replace(",", "")
-    command = [str(arguments.build / "dynoproof"), "diagnose", str(REAL / f"{scenario}.toml"), "--data",
-               str(arguments.records / data), "--holdout", str(arguments.records / holdout), "--out", str(out),
-               "--json", "-", "--html", str(out / "page.html")]
+    command = [str(arguments.build / "dynoproof"), "diagnose", str(REAL / f"{scenario}.toml"), "--out", str(out), "--json", "-", "--html",
+               str(out / "page.html")]
+    for option, files in (("--data", data), ("--holdout", holdout)):
+        for file in files.split():
+            command += [option, str(arguments.records / file)]
     for part in maps:
         command += ["--map", str(REAL / f"{part}.toml")]
     for change in sets:

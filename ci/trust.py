@@ -84,11 +84,12 @@ def diagnosis():
     of = {kind: only(rf"^{kind} +(\d+) ", text, page) for kind in good}
     wrong, alarms = (only(rf"^{word} +\d+ +(\d+)$", text, page) for word in ("wrong", "false alarm"))
     measured = [row for row in block.read(page, "measured") if re.match(r"\| .*@", row)]
-    right = sum(" | right | " in row for row in measured)
+    right, in_set = (sum(f" | {word} | " in row for row in measured) for word in ("right", "in the set"))
     return ("Does `diagnose` name the cause?",
             f"hidden in made records: {good['effect']} of {of['effect']} effects and {good['pair']} of {of['pair']} pairs named or in the "
             f"set, {good['unknown']} of {of['unknown']} that it does not know left unnamed, {wrong} wrong; nothing to find: "
-            f"{int(of['null']) + int(of['decoy'])} records, {alarms} alarms; measured: {right} of {len(measured)} right",
+            f"{int(of['null']) + int(of['decoy'])} records, {alarms} alarms; measured: {right} of {len(measured)} right, "
+            f"{in_set} in the set",
             page + "#beside-the-diagnosis-before")
 
 
