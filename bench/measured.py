@@ -19,8 +19,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 REAL = ROOT / "tests" / "real"
 FRICTION = ("coulomb_friction", "stribeck_friction", "asymmetric_friction", "dahl_friction")
 
-# name, scenario, maps of data and hold-out, data, hold-out (several one after the other), --set, causes that are documented, where; NRMSE on the hold-out that
-# a fit by hand reaches [%], where it compares the same signal
+# name, scenario, maps of data and hold-out, data, hold-out (several one after the other), --set, causes that are documented, where; NRMSE
+# on the hold-out that a fit by hand reaches [%], where it compares the same signal
 CASES = [
     ("servo axis, fitted", "servo_axis", ["servo_axis_map"], "servo_axis/DATA_EMPS.mat",
      "servo_axis/DATA_EMPS_PULSES.mat", [], FRICTION, "inertia:carriage", "-"),

@@ -50,8 +50,8 @@ struct OutputLine {
   double nominal = 1.0;
   int signal = -1;  // slot at the end of the chain
   int sample = -1;  // slot that controls read as output.NAME
-  int delay_periods =
-      0;  // a sample taken in step k at `sample_fraction`, 0: at its tick, shows at tick k + delay_periods
+  /// A sample taken in step k at `sample_fraction`, 0: with those of its tick, shows at tick k + delay_periods.
+  int delay_periods = 0;
   double sample_fraction = 0.0;
   int ring = -1;
 };
