@@ -268,8 +268,10 @@ int Run(const Suite& suite) {
             << fmt::format("{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>6}{:>13}{:>8}{:>9}   inside 95 %\n", "truth", "right",
                            "in the set", "abstained", "missed", "wrong", "near", "false alarm", "broken", "stopped");
   for (const auto* rows : {&confusion, &by_strength}) {
-    for (const auto& [row, outcomes] : *rows) {
-      const auto count = [&outcomes](const char* what) { return outcomes.contains(what) ? outcomes.at(what) : 0; };
+    for (const auto& [row, of_row] : *rows) {
+      const auto count = [&outcomes = of_row](const char* what) {
+        return outcomes.contains(what) ? outcomes.at(what) : 0;
+      };
       std::cout << fmt::format(
           "{:<26}{:>7}{:>12}{:>11}{:>8}{:>7}{:>6}{:>13}{:>8}{:>9}   {}\n", row, count("right"), count("in the set"),
           count("abstained"), count("missed"), count("wrong"), count("near"), count("false alarm"), count("broken"),

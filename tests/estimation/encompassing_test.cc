@@ -148,7 +148,8 @@ TEST(WeightsByBlock, AreThoseOfWhatTheBestLeavesInABlock) {
 TEST(WeightsByBlock, KeepAnImpactThatEveryModelMissesFromDeciding) {
   const Eigen::VectorXd noise = Data().channels()[0].noise * Noise(6, Data().measured().size());
   Eigen::VectorXd right = noise, wrong = noise + 0.7 * Data().channels()[0].noise * Noise(7, noise.size());
-  for (const Block::Rows& rows : BlocksOf(Data())[20].rows) {
+  const Block block = BlocksOf(Data())[20];
+  for (const Block::Rows& rows : block.rows) {
     right[rows.begin] += 100.0 * Data().channels()[0].noise;
     wrong[rows.begin] += 60.0 * Data().channels()[0].noise;
   }

@@ -36,7 +36,7 @@ using Complex = std::complex<long double>;
 /// N = (s^2 + m k_s)(s + kappa) + m K s: a constant and three exponentials from the roots of N.
 class ClosedSolution {
  public:
-  ClosedSolution(long double k_s, long double kappa, long double K) : k_s_(k_s), kappa_(kappa), K_(K) {
+  ClosedSolution(long double k_s, long double kappa, long double K) {
     const long double m = 1.0L / kA + 1.0L / kB;
     const long double c2 = kappa, c1 = m * (k_s + K), c0 = m * k_s * kappa;
     Eigen::MatrixXd companion(3, 3);
@@ -60,7 +60,7 @@ class ClosedSolution {
   }
 
  private:
-  long double k_s_, kappa_, K_, constant_;
+  long double constant_;
   Complex roots_[3], residues_[3];
 };
 
