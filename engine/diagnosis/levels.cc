@@ -45,8 +45,8 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     levels->memories_s_ = like->memories_s_;
     levels->corrected_ = like->corrected_;
     levels->longest_ = like->longest_;
-  } else if (model->part.basis.cols() == 0) {
-    // Nothing is there that a record could correct: all levels are the free run.
+  } else if (!model->HasStates()) {
+    // All levels are the free run.
   } else if (window_s) {
     levels->memories_s_ = {*window_s / policy::kLonger, *window_s};
     levels->corrected_ = levels->longest_ = 1;

@@ -478,7 +478,7 @@ double MemoryFor(const LinearModel& model, double duration_s) {
   constexpr double kOfForgetting = 1.0 / 3.0;
   constexpr double kFewestSteps = 10.0, kMostOfRecord = 0.1;
   double period_s = 0.0, slowest_s = 0.0, forgets_s = 0.0;
-  if (!model.regimes.empty() && model.part.basis.cols() > 0) {
+  if (!model.regimes.empty() && model.HasStates()) {
     for (const std::complex<double>& value : dense::Eigenvalues(model.Seen(model.regimes.front().A))) {
       const double turn = std::abs(std::arg(value)), decay = -std::log(std::abs(value));
       const double constant_s = decay > 0.0 ? model.period_s / decay : std::numeric_limits<double>::infinity();

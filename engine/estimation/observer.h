@@ -31,6 +31,8 @@ struct LinearModel {
   /// Orthonormal basis of the part that outputs see in one regime or another [r x s]. No gain changes the rest, as the common speed of
   /// a line of which a twist is measured.
   Eigen::MatrixXd seen;
+  /// Whether there are states at all: in a plant without them nothing is there that a record could correct.
+  bool HasStates() const { return part.basis.cols() > 0; }
   /// A system matrix as outputs see it [s x s].
   Eigen::MatrixXd Seen(const Eigen::MatrixXd& A) const { return seen.transpose() * A * seen; }
 

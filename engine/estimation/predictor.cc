@@ -202,7 +202,7 @@ Predictor::Predictor(const Predictor& lead, double until_s, std::optional<double
 }
 
 std::optional<Observer> Predictor::ObserverOf(std::optional<double> memory_s) const {
-  if (!memory_s || model_->part.basis.cols() == 0) return std::nullopt;
+  if (!memory_s || !model_->HasStates()) return std::nullopt;
   VectorXd noise(std::ssize(model_->outputs));
   for (Index j = 0; j < noise.size(); ++j)
     noise[j] =

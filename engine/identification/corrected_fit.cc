@@ -201,14 +201,15 @@ Status FitCorrected(const EstimationProblem& problem, const IdentifyOptions& opt
   if (!model.ok()) return model.failure();
   const double duration_s = whole.records().front().end_s;
   std::vector<double> memories;
-  const bool corrected = model->part.basis.cols() > 0;  // else nothing is there that a record could correct
-  for (double memory_s = estimation::MemoryFor(*model, duration_s) / kLonger; corrected && memory_s < duration_s;
-       memory_s *= kLonger)
-    memories.push_back(memory_s);
+  if (model->HasStates()) {
+    for (double memory_s = estimation::MemoryFor(*model, duration_s) / kLonger; memory_s < duration_s;
+         memory_s *= kLonger)
+      memories.push_back(memory_s);
+  }
   // A record that begins as the plan does needs no lead-in, and none is better: what noise makes of a state that is found
   // in one stays in the free run behind it.
   const bool in_motion = std::ranges::any_of(whole.records(), &MappedRecord::in_motion);
-  const double lead_in_s = in_motion && corrected ? estimation::LeadInOf(memories.front(), duration_s) : 0.0;
+  const double lead_in_s = in_motion && !memories.empty() ? estimation::LeadInOf(memories.front(), duration_s) : 0.0;
   const DataSet compared(data, plan, {.from_s = lead_in_s, .most_rows = kMostRows});
   const auto known = std::make_shared<mechanics::Decompositions>();
   std::vector<std::unique_ptr<Predictor>> levels;
