@@ -42,6 +42,7 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
   const auto known = std::make_shared<mechanics::Decompositions>();
   Horizon horizon;
   horizon.in_motion = record.in_motion;
+  horizon.seen_s = end_s, horizon.record_s = record.end_s;
   for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.noise / channel.spread;
   const auto look = [&](const Predictor& predictor) -> Result<HorizonLevel> {
     const Result<Prediction> there = predictor.Predict(plan);
@@ -63,7 +64,8 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
   for (double memory_s = kFirst * step_s; memory_s <= kMostOfRecord * end_s; memory_s *= kLonger) {
     const double lead_in_s = record.in_motion ? std::min(kLeadIn * memory_s, kMostLeadIn * end_s) : 0.0;
     const DataSet data({record}, plan, {.from_s = lead_in_s, .most_s = end_s});
-    const Predictor predictor(data, *model, registry, memory_s, known);
+    Predictor predictor(data, *model, registry, memory_s, known);
+    predictor.LearnNoise(plan);
     if (!predictor.observer() || predictor.observer()->memory_s() < kReached * memory_s) break;
     if (predictor.observer()->memory_s() > memory_s / kReached) continue;  // no forces make it as short
     Result<HorizonLevel> level = look(predictor);
@@ -114,7 +116,11 @@ std::string Horizon::ToText() const {
   text +=
       "  The run beside the record forgets its own errors after so long, because the record corrects it;\n"
       "  in brackets: what the record's noise alone causes.";
-  if (levels.back().at_noise) return text + "\n  The model predicts the whole record to its noise.\n";
+  const bool whole = seen_s >= record_s;
+  if (!whole) text += fmt::format("\n  All this is of the first {:.4g} s of {:.4g}.", seen_s, record_s);
+  if (levels.back().at_noise)
+    return text +
+           fmt::format("\n  The model predicts {} to its noise.\n", whole ? "the whole record" : "all of that part");
   if (horizon_s > 0.0)
     return text +
            fmt::format("\n  The model predicts {:.3g} s ahead to the noise: what it lacks is small, or adds up{}.\n",
@@ -129,6 +135,7 @@ std::string Horizon::ToText() const {
 
 void AddTo(nlohmann::json& document, const Horizon& horizon) {
   document["horizon_s"] = horizon.horizon_s;
+  document["seen_s"] = horizon.seen_s;
   document["noise"] = horizon.noise;
   document["levels"] = nlohmann::json::array();
   for (const HorizonLevel& level : horizon.levels)

@@ -32,7 +32,8 @@ struct Horizon {
   /// The longest memory [s] up to which nothing is left but noise; the record's length where that is true of the free run, 0
   /// where not even the shortest level's errors are noise.
   double horizon_s = 0.0;
-  bool in_motion = false;  // the record began otherwise than the scenario does
+  bool in_motion = false;               // the record began otherwise than the scenario does
+  double seen_s = 0.0, record_s = 0.0;  // the first part, that was looked at, of the whole
 
   /// A table of a line per level, with what follows from it.
   std::string ToText() const;

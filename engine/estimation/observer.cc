@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -179,21 +180,31 @@ Result<std::vector<std::vector<Frame>>> FramesOf(const BuiltRun& run) {
   const FlushSubnormals flush;
   Simulation simulation(*run.rig, *run.solver);
   if (Status failed = simulation.Start()) return *failed;
-  std::map<std::vector<int>, std::vector<Frame>> by_modes;
+  struct Visited {
+    std::int64_t periods = 0;
+    std::vector<Frame> looked,
+        first;  // at regular looks; its first ones, which do where it is so short that no look meets it
+  };
+  std::map<std::vector<int>, Visited> by_modes;
   const std::int64_t every = std::max<std::int64_t>(1, run.rig->steps / kLooks);
   for (std::int64_t step = 0; step < run.rig->steps; ++step) {
     if (Status failed = simulation.Tick()) {
       if (by_modes.empty()) return *failed;
       break;  // a free run that breaks says enough until then
     }
-    if (step % every == 0) by_modes[simulation.frame().modes].push_back(simulation.frame());
+    Visited& visited = by_modes[simulation.frame().modes];
+    ++visited.periods;
+    if (step % every == 0) visited.looked.push_back(simulation.frame());
+    if (visited.first.size() < kMostFrames) visited.first.push_back(simulation.frame());
     if (run.solver->linear()) break;
     if (simulation.Integrate()) break;
   }
+  std::vector<Visited> most;
+  for (auto& [modes, visited] : by_modes) most.push_back(std::move(visited));
+  std::ranges::stable_sort(most, std::ranges::greater(), &Visited::periods);
+  if (most.size() > kMostRegimes) most.resize(kMostRegimes);
   std::vector<std::vector<Frame>> regimes;
-  for (auto& [modes, frames] : by_modes) regimes.push_back(std::move(frames));
-  std::ranges::stable_sort(regimes, [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  if (regimes.size() > kMostRegimes) regimes.resize(kMostRegimes);
+  for (Visited& visited : most) regimes.push_back(std::move(visited.looked.empty() ? visited.first : visited.looked));
   for (std::vector<Frame>& frames : regimes) {
     std::vector<Frame> few;
     for (std::size_t i = 0; i < std::min(kMostFrames, frames.size()); ++i)

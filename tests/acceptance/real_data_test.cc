@@ -1,5 +1,6 @@
 // Records that somebody measured: what is missing from a linear model of them, and what its name is worth. They are no
 // part of this repository; without them the tests are skipped.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -102,21 +103,66 @@ TEST_F(SlowRealData, AreaAndFrictionOfACylinderAreFoundTogether) {
   EXPECT_LT(std::sqrt(squares / rows), 1.1 * 1.84);  // 1.93
 }
 
-// Turned forwards, seen backwards: friction changes its sign. By hand 36 % of the spread with the order 72, each turn's mean taken off.
+// Turned forwards, seen backwards: friction changes its sign. By hand 36 % of the spread with the order 72, 22 % with four orders.
 TEST_F(SlowRealData, CoggingIsFoundAtStandstill) {
-  const std::string forward = Data("cogging_motor/static_train_forward.csv");
+  const std::string forward = Data("cogging_motor/static_train_forward.csv"), map = Real("cogging_static_map.toml");
   if (!fs::exists(forward)) GTEST_SKIP() << forward << " is not here";
-  const nlohmann::json found = bench_.Json(
-      {"identify", Real("cogging_static.toml"), "--data", forward, "--map", Real("cogging_static_map.toml"), "--starts",
-       "8", "--free", "plant.load.friction.T_c_Nm,plant.load.cog72.A_Nm,plant.load.cog72.theta_rad", "--bound",
-       "plant.load.friction.T_c_Nm=0:0.2", "--bound", "plant.load.cog72.A_Nm=0.01:1", "--bound",
-       "plant.load.cog72.theta_rad=-3.2:3.2", "--out", "cogging.toml"});
-  // Least squares for the two numbers of the order, a constant beside them: 0.1832 A.
-  EXPECT_NEAR(found["parameters"]["plant.load.cog72.A_Nm"]["value"].get<double>(), 0.183, 0.002) << found.dump(1);
-  bench_.Call({"run", "cogging.toml", "--data", Data("cogging_motor/static_holdout_backward.csv"), "--map",
-               Real("cogging_static_map.toml"), "--json", "run.json"});
-  const nlohmann::json run = nlohmann::json::parse(ReadBytes(bench_ / "run.json"));
-  EXPECT_LT(run["scenarios"][0]["figures"]["F.nrmse"]["value"].get<double>(), 1.1 * 0.36);  // 0.383
+  std::string more = "include = [\"" + Real("cogging_static.toml") + "\"]\n";
+  for (const char* order : {"18", "12", "24"})
+    more += fmt::format(
+        "[plant.load.cog{0}]\non = \"rotor\"\nlaw = \"ripple\"\nA_Nm = 0.03\nn = {0}.0\ntheta_rad = 0.0\n", order);
+  bench_.Write("four.toml", more);
+  const auto found_with = [&](const std::string& scenario, const std::vector<std::string>& orders) {
+    std::string free = "plant.load.friction.T_c_Nm";
+    std::vector<std::string> command = {"identify", scenario,   "--data", forward,   "--map",
+                                        map,        "--starts", "4",      "--bound", free + "=0:0.2"};
+    for (const std::string& order : orders) {
+      const std::string cog = "plant.load.cog" + order;
+      free += "," + cog + ".A_Nm," + cog + ".theta_rad";
+      command.insert(command.end(), {"--bound", cog + ".A_Nm=0.001:1", "--bound", cog + ".theta_rad=-3.2:3.2"});
+    }
+    command.insert(command.end(), {"--free", free, "--out", "cogging.toml"});
+    return bench_.Json(command)["parameters"];
+  };
+  const auto left_backwards = [&] {
+    bench_.Call({"run", "cogging.toml", "--data", Data("cogging_motor/static_holdout_backward.csv"), "--map", map,
+                 "--json", "run.json"});
+    const nlohmann::json run = nlohmann::json::parse(ReadBytes(bench_ / "run.json"));
+    return run["scenarios"][0]["figures"]["F.nrmse"]["value"].get<double>();
+  };
+  // Least squares for the numbers of the orders, a constant beside them: 0.1832 A alone, 0.0529 of friction.
+  nlohmann::json found = found_with(Real("cogging_static.toml"), {"72"});
+  EXPECT_NEAR(found["plant.load.cog72.A_Nm"]["value"].get<double>(), 0.183, 0.002) << found.dump(1);
+  EXPECT_LT(left_backwards(), 1.1 * 0.363);  // 0.383
+  found = found_with("four.toml", {"72", "18", "12", "24"});
+  EXPECT_NEAR(found["plant.load.friction.T_c_Nm"]["value"].get<double>(), 0.0529, 0.0015) << found.dump(1);
+  EXPECT_LT(left_backwards(), 1.1 * 0.222);  // 0.216
+}
+
+// A meter that shows no sign, and a delay, found in one record (least squares with an exact propagation and exact delay: 0.184). The drive's
+// gain grows with its voltage (static: 2.1 at 1 V, 3.0 at 1.5 V), so that no numbers of a linear drive explain the other record, by
+// that least squares (1.08) as here; the 38 % told of by hand are those of records that each have a gain of their own.
+TEST_F(SlowRealData, CoupledDrivesAreRectifiedDelayedAndOfAGainOfTheirOwn) {
+  const std::string record = Data("coupled_drives/drive.mat");
+  if (!fs::exists(record)) GTEST_SKIP() << record << " is not here";
+  bench_.Write(
+      "rectified.toml",
+      "include = [\"" + Real("coupled_drives.toml") +
+          "\"]\n[output.z]\nof = \"plant.pulley.speed\"\nunit = \"rad/s\"\nnominal = 1.0\ndescription = \"speed\"\n"
+          "sensor = [{ type = \"rectified\" }, { type = \"gain\", gain = 1.0 }, { type = \"delay\", delay_s = 0.02 "
+          "}]\n");
+  const std::string train = Real("coupled_drives_2.toml"), other = Real("coupled_drives_1.toml");
+  nlohmann::json found = bench_.Json({"identify", "rectified.toml", "--data", record, "--map", train, "--starts", "4",
+                                      "--bound", "plant.inertia.motor=0.001:1", "--free",
+                                      "plant.inertia.motor,plant.inertia.pulley,plant.shaft.belt.stiffness_Nm_per_rad,"
+                                      "plant.shaft.belt.damping_Nms_per_rad,"
+                                      "plant.load.drag.b_Nms_per_rad,output.z.sensor.2.delay_s",
+                                      "--out", "found.toml"});
+  EXPECT_LT(found["nrmse_after"].get<double>(), 1.1 * 0.184) << found.dump(1);
+  found = bench_.Json({"identify", "found.toml", "--data", record, "--map", other, "--starts", "1", "--free",
+                       "output.z.sensor.1.gain", "--out", "own.toml"});
+  EXPECT_NEAR(found["nrmse_before"].get<double>(), 1.08, 0.05) << found.dump(1);
+  EXPECT_LT(found["nrmse_after"].get<double>(), 1.1 * 0.38) << found.dump(1);  // 0.325
 }
 
 TEST_F(SlowRealData, DiagnoseFindsTheSpringThatHardens) {

@@ -1,6 +1,7 @@
 // Where a model is wrong in a force, it is off at once; where it only accumulates, late; a right one never.
 #include "estimation/horizon.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,14 +14,16 @@
 namespace dynoproof::estimation {
 namespace {
 
+using ::testing::HasSubstr;
+
 constexpr double kNoise = 0.003;  // of each signal
 
 class HorizonOfALine : public identification::LumpedLine {
  protected:
   /// The horizon of the plan on a noisy record, which a simulation of `line` outside the engine has made.
-  Horizon Of(const blind::IndependentLine& line) const {
+  Horizon Of(const blind::IndependentLine& line, std::size_t samples = 7001) const {
     const Result<std::optional<Horizon>> horizon =
-        HorizonOf(*plan_, identification::LineRecord(line, blind::IndependentTorque(7001, 7), kNoise), registry_);
+        HorizonOf(*plan_, identification::LineRecord(line, blind::IndependentTorque(samples, 7), kNoise), registry_);
     EXPECT_TRUE(horizon.ok());
     return horizon.ok() && *horizon ? **horizon : Horizon{};
   }
@@ -34,6 +37,14 @@ TEST_F(HorizonOfALine, OfTheRightModelIsTheWholeRecord) {
     EXPECT_TRUE(level.at_noise) << horizon.ToText();
   }
   for (const auto& [name, noise] : horizon.noise) EXPECT_NEAR(noise, kNoise, 0.3 * kNoise) << name;
+}
+
+TEST_F(HorizonOfALine, OfALongRecordIsThatOfItsFirstPartAndSaysSo) {
+  const Horizon horizon = Of({}, 21'001);
+  EXPECT_NEAR(horizon.record_s, 2.1, 1e-9);
+  EXPECT_NEAR(horizon.seen_s, 2.0, 1e-9);
+  EXPECT_THAT(horizon.ToText(), HasSubstr("of the first 2 s of 2.1"));
+  EXPECT_THAT(horizon.ToText(), HasSubstr("all of that part to its noise"));
 }
 
 TEST_F(HorizonOfALine, OfASmallErrorOfAStiffnessIsShorter) {
