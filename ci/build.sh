@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Configures and builds. ci/build.sh [FOLDER [TARGET...]] with cmake options in CMAKE_OPTIONS.
 # A compiler cache helps only where it has seen the project: under one that is empty a new folder gets precompiled headers
-# in its place, and sources of a layer and tests that are compiled five together, and keeps both. DYNOPROOF_PRECOMPILE=1 asks for these in any case.
+# in its place, and sources of a layer and tests that are compiled ten together, and keeps both. DYNOPROOF_PRECOMPILE=1 asks for these in any case.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -24,7 +24,7 @@ fi
 if have clang-format "format"; then
   git ls-files '*.cc' '*.h' | xargs clang-format --dry-run -Werror
 fi
-# Sources that are compiled five together see one another's includes; a changed one of the program has to do with its own.
+# Sources that are compiled together see one another's includes; a changed one of the program has to do with its own.
 if [ -d build/generated ]; then
   git diff HEAD --name-only --diff-filter=d -- 'engine/*.cc' 'reports/*.cc' | xargs -r -P "$(nproc)" -n 1 "${CXX:-g++}" -std=c++20 -fsyntax-only \
     -I. -Iengine -Ibuild/generated -Igolden -isystem /usr/include/eigen3 -isystem /usr/include/hdf5/serial

@@ -69,7 +69,8 @@ TEST(SlowDiagnose, NamesNothingWhereNothingIsHidden) {
   EXPECT_LT(found.simulations, 1400.0);  // 942, and half as many more: a last bit may turn a fit
 }
 
-TEST(SlowDiagnose, NamesNothingWhereAllSensorsWarmUp) {
+// Pairs of causes are asked before drifts of sensors are taken off, which takes 6000 simulations.
+TEST(NightlyDiagnose, NamesNothingWhereAllSensorsWarmUp) {
   MappedRecord record = RecordOf(AsBuilt(Nominal()), 0.01, kOutputs);
   estimation::WarmUp(record, "T_shaft", 0.05);
   estimation::WarmUp(record, "omega_1", -0.08);
