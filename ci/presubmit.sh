@@ -26,7 +26,7 @@ if have clang-format "format"; then
 fi
 # Sources that are compiled together see one another's includes; a changed one of the program has to do with its own.
 if [ -d build/generated ]; then
-  git diff HEAD --name-only --diff-filter=d -- 'engine/*.cc' 'reports/*.cc' | xargs -r -P "$(nproc)" -n 1 "${CXX:-g++}" -std=c++20 -fsyntax-only \
+  git diff HEAD --name-only --diff-filter=d -- 'engine/*.cc' 'reports/*.cc' | xargs -r -P "$(nproc)" -n 1 "${CXX:-g++}" -std=c++20 -fsyntax-only -Wall -Wextra -Wshadow -Werror \
     -I. -Iengine -Ibuild/generated -Igolden -isystem /usr/include/eigen3 -isystem /usr/include/hdf5/serial
 fi
 git grep -lE '^#!.*\b(ba)?sh$' -- . | xargs -n 1 bash -n
