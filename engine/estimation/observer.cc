@@ -464,10 +464,13 @@ std::vector<std::vector<double>> Observer::GainsFor(const Rig& rig, const std::v
   // An effect brings modes of its own, as a friction its sticking: those count for nothing here.
   std::vector<std::optional<int>> known;
   for (const std::string& name : modes_) known.push_back(ModeOf(rig, modes, name));
+  // One flank of a gap is nearer to the other, and slipping to slipping back, than to what is between.
   const auto others = [&](const Gain& one) {
-    std::ptrdiff_t count = 0;
-    for (std::size_t i = 0; i < known.size(); ++i) count += known[i] && *known[i] != one.modes[i] ? 1 : 0;
-    return count;
+    int distance = 0;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      if (known[i] && *known[i] != one.modes[i]) distance += std::abs(*known[i]) == std::abs(one.modes[i]) ? 1 : 2;
+    }
+    return distance;
   };
   const MatrixXd& gain = std::ranges::min_element(gains_, {}, others)->physical;
   std::vector<std::vector<double>> columns(static_cast<std::size_t>(gain.cols()),
