@@ -238,7 +238,8 @@ TEST(Ledger, WhatWasEnteredWronglyStaysMended) {
 
 /// Every claim stands as it says, and turns when what it is compared with moves by a little more than is allowed: none
 /// hides everything.
-TEST(SlowLedger, EveryClaimStandsAsItSaysWithinItsTolerance) {
+// That every claim stands, `reproduce all` says in a test of every commit; that its tolerance would see more than it allows is asked at night.
+TEST(NightlyLedger, EveryClaimStandsAsItSaysWithinItsTolerance) {
   for (Claim claim : Shipped()) {
     const ClaimResult result = Reproduce(testing::FullRegistry(), claim);
     EXPECT_TRUE(result.as_expected) << claim.id << ": " << result.fault << " ours "
