@@ -65,9 +65,9 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
     const double lead_in_s = record.in_motion ? std::min(kLeadIn * memory_s, kMostLeadIn * end_s) : 0.0;
     const DataSet data({record}, plan, {.from_s = lead_in_s, .most_s = end_s});
     Predictor predictor(data, *model, registry, memory_s, known);
-    predictor.LearnNoise(plan);
     if (!predictor.observer() || predictor.observer()->memory_s() < kReached * memory_s) break;
     if (predictor.observer()->memory_s() > memory_s / kReached) continue;  // no forces make it as short
+    predictor.LearnNoise(plan);
     Result<HorizonLevel> level = look(predictor);
     if (!level.ok()) continue;  // a run may diverge beside its record with one memory, and hold with the next
     level->memory_s = predictor.observer()->memory_s();
