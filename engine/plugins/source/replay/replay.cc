@@ -10,6 +10,9 @@ namespace {
 // Samples to either side that make a value. The Blackman window's main lobe then ends 3 / 32 of the sampling rate from
 // its middle: content is kept up to 0.8 of half the sampling rate.
 constexpr int kReach = 32;
+// To which a step is told apart: where between two samples a value lies is known no better than its time, to ten or eleven digits.
+constexpr std::int64_t kParts = std::int64_t{1} << 32;
+constexpr std::size_t kShares = 16;  // of which the weights are kept
 
 }  // namespace
 
@@ -93,6 +96,7 @@ Replay::Replay(Series series, const std::string& interpolation)
                : interpolation == "band_limited" ? Between::kBandLimited
                                                  : Between::kHold) {
   const std::vector<double>& times = *series_.time;
+  if (between_ == Between::kBandLimited) known_.reserve(kShares);
   if (times.size() > 1) steps_per_s_ = (static_cast<double>(times.size()) - 1.0) / (times.back() - times.front());
 }
 
@@ -113,30 +117,48 @@ double Replay::Value(double time_s) const {
 }
 
 double Replay::BandLimited(double time_s) const {
-  constexpr double pi = std::numbers::pi;
   const std::vector<double>& times = *series_.time;
   const std::vector<double>& values = *series_.values;
   const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
   const double position = (time_s - times.front()) / (times.back() - times.front()) * static_cast<double>(last);
   const auto before = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(position), 0, last);
-  const double share = position - static_cast<double>(before);
-  if (std::abs(share) < 1e-9) return values[static_cast<std::size_t>(before)];
-  // The distance x to sample before + j is share - j, and sin(pi x) = (-1)^j sin(pi share): up to a factor that all
+  const std::int64_t share = std::llround((position - static_cast<double>(before)) * static_cast<double>(kParts));
+  if (share == 0) return values[static_cast<std::size_t>(before)];
+  if (share == kParts) return values[static_cast<std::size_t>(std::min(before + 1, last))];
+  const auto& weights = WeightsAt(share).of_sample;
+  const std::ptrdiff_t first = before + 1 - kReach;
+  if (first >= 0 && before + kReach <= last)
+    return weights.dot(Eigen::Map<const Eigen::Matrix<double, 2 * kReach, 1>>(values.data() + first));
+  double sum = 0.0;
+  for (std::ptrdiff_t i = 0; i < 2 * kReach; ++i) {  // before the first sample and behind the last stand these
+    sum += weights[i] * values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(first + i, 0, last))];
+  }
+  return sum;
+}
+
+const Replay::Weights& Replay::WeightsAt(std::int64_t share) const {
+  for (const Weights& known : known_) {
+    if (known.share == share) return known;
+  }
+  if (known_.size() < kShares) known_.emplace_back();
+  Weights& made = known_[next_];
+  next_ = (next_ + 1) % kShares;
+  made.share = share;
+  // The distance x to sample before + j is part - j, and sin(pi x) = (-1)^j sin(pi part): up to a factor that all
   // weights have, sinc(x) is (-1)^j / x. The cosine of the window goes on from sample to sample by a rotation.
-  double sum = 0.0, weights = 0.0, sign = kReach % 2 == 0 ? -1.0 : 1.0;
-  const double turn = std::cos(pi / kReach), first = pi * (share + kReach - 1) / kReach;
-  double cosine = std::cos(first), previous = std::cos(first + pi / kReach);
-  for (std::ptrdiff_t j = 1 - kReach; j <= kReach; ++j) {
-    const double weight = sign / (share - static_cast<double>(j)) * (0.34 + cosine * (0.5 + 0.16 * cosine));
-    // Before the first sample and behind the last stand these.
-    sum += weight * values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(before + j, 0, last))];
-    weights += weight;
+  constexpr double pi = std::numbers::pi;
+  const double part = static_cast<double>(share) / static_cast<double>(kParts);
+  const double turn = std::cos(pi / kReach), first = pi * (part + kReach - 1) / kReach;
+  double cosine = std::cos(first), previous = std::cos(first + pi / kReach), sign = kReach % 2 == 0 ? -1.0 : 1.0;
+  for (int j = 1 - kReach; j <= kReach; ++j) {
+    made.of_sample[j + kReach - 1] = sign / (part - j) * (0.34 + cosine * (0.5 + 0.16 * cosine));
     sign = -sign;
     const double next = 2.0 * turn * cosine - previous;
     previous = cosine;
     cosine = next;
   }
-  return sum / weights;  // a constant stays one
+  made.of_sample /= made.of_sample.sum();  // a constant stays one
+  return made;
 }
 
 }  // namespace dynoproof::sources

@@ -6,7 +6,10 @@
 // window of 32 samples to either side. Before the first and after the last sample that sample's value is held.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "plugins/source/source.h"
 
@@ -39,11 +42,20 @@ class Replay : public Source {
   double Value(double time_s) const override;
 
  private:
+  /// The weights of samples 31 before to 32 behind the last one before a value that lies `share` of a step behind it.
+  struct Weights {
+    std::int64_t share;  // of 2^32
+    Eigen::Matrix<double, 64, 1> of_sample;
+  };
   double BandLimited(double time_s) const;
+  const Weights& WeightsAt(std::int64_t share) const;
 
   Series series_;
   enum class Between { kHold, kLine, kBandLimited } between_;
   double steps_per_s_ = 0.0;  // mean
+  // A run asks at its ticks, of which a few make a step: it meets the same few shares from sample to sample.
+  mutable std::vector<Weights> known_;
+  mutable std::size_t next_ = 0;  // of them to be forgotten
 };
 
 /// What is wrong with a series, or nothing.
