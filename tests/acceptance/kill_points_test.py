@@ -132,6 +132,8 @@ class Harness:
         self.environment = {"PATH": f"{options.program.parent}:{os.environ['PATH']}", "HOME": "/nonexistent", "LC_ALL": "C.UTF-8"}
         golden_is_one.environment = self.environment
         self.root = pathlib.Path(tempfile.mkdtemp(prefix="points-"))
+        self.environment["TMPDIR"] = str(self.root / "scratch")  # what a killed call leaves there goes with the rest
+        (self.root / "scratch").mkdir()
 
     def folder(self, case):
         """A folder in which `before` has been done, once; a copy for each try."""
