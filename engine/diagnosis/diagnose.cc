@@ -1,5 +1,7 @@
 #include "diagnosis/diagnose.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -101,6 +103,17 @@ Result<Diagnosis> DiagnoseFrom(const Question& asked) {
     Before next = After(**pipeline, before, "hum that no model here makes is taken off the records: " + ToText(hum));
     next.took_hum_off += 1;
     return DiagnoseFrom({plan, registry, options, cleaned, others, next});
+  }
+  if (const std::optional<Course>& course = (*pipeline)->course()) {
+    const std::vector<MappedRecord> again = OnCourse(data, plan, *course), others = OnCourse(holdout, plan, *course);
+    Before next =
+        After(**pipeline, before,
+              fmt::format("beside {} inputs are {} between their samples: {:.2g} times as much is left then as "
+                          "with what was guessed beside the nominal model",
+                          course->beside, course->between, course->times));
+    next.read_again = true;
+    next.journal = (*pipeline)->journal();
+    return DiagnoseFrom({plan, registry, options, again, others, next});
   }
   if (const std::optional<Drifts>& drifts = (*pipeline)->drifts()) {
     std::vector<MappedRecord> cleaned = data, others = holdout;

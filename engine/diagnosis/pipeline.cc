@@ -74,6 +74,9 @@ Result<Answer> Pipeline::Decide() {
   if (!hum_.empty()) return Answer{Contest(), Settled()};
   Result<Answer> answer = Ask(std::move(nominal), false, Contest::Pass(false));
   if (!answer.ok()) return answer.failure();
+  if (!answer->settled.exact && !before_.read_again && !Spent())
+    course_ = OtherCourse(begun_, answer->contest, levels_, registry);
+  if (course_) return answer;
   std::optional<Drifts> drifts;
   if (!answer->settled.exact) drifts = DriftsBesides(answer->contest);
   if (drifts && drifts->Plainly()) {

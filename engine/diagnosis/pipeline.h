@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "diagnosis/answer.h"
+#include "diagnosis/course.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/drift.h"
 #include "diagnosis/hum.h"
@@ -29,6 +30,7 @@ struct Before {
   Journal journal = {};
   int took_hum_off = 0;  // times: what one tone has hidden may be another one
   int took_drifts_off = 0;
+  bool read_again = false;  // inputs of which nobody says what they do between their samples
 };
 
 class Pipeline {
@@ -54,6 +56,9 @@ class Pipeline {
   const std::optional<Drifts>& drifts() const { return drifts_; }
   /// How it came to what it has found, so far.
   const Journal& journal() const { return result_.journal; }
+  /// What inputs of which nobody says it do between their samples, where a model leaves clearly less with that than with what was guessed
+  /// beside the nominal one.
+  const std::optional<Course>& course() const { return course_; }
   /// The drifts in the hold-out, where that is records of its own: beside the model that was best here.
   std::vector<Drift> DriftsInHoldout() const;
 
@@ -138,6 +143,7 @@ class Pipeline {
   std::optional<Contestant> released_;
   std::vector<Hum> hum_;
   std::optional<Drifts> drifts_;
+  std::optional<Course> course_;
   std::optional<Plan> left_by_;  // the model beside which hum was looked for
   Before before_;
   int asked_ = 0;

@@ -347,25 +347,28 @@ class FieldRecords(Steps):
         self.assertIn('time_unit = "ms"', (self.folder / "ms.map.toml").read_text())
         self.exact(record, " --map ms.map.toml")
 
-    def with_friction(self, every):
-        """The program's own run of the line with dry friction at I3, from 0.6 s on, each so many rows."""
+    def with_friction(self, rows=slice(6000, None), noise=0.0):
+        """The program's own run of the line with dry friction at I3, from 0.6 s on; noise as a share of each output's spread."""
         (self.folder / "rubs.toml").write_text((self.folder / "line.toml").read_text() +
                                                "\n[plant.load.bearing]\non = 'I3'\nlaw = 'coulomb'\nT_c_Nm = 6.0\n")
         self.shell("dynoproof run rubs.toml")
         self.shell("dynoproof export out/rubs.h5 --to csv --out whole.csv")
-        lines = (self.folder / "whole.csv").read_text().splitlines()
-        return self.write("rubs.csv", "\n".join(lines[:2] + lines[6002::every]) + "\n")
+        values = np.loadtxt(self.folder / "whole.csv", delimiter=",", skiprows=2)[rows]
+        values[:, 2:] += np.random.default_rng(4).normal(size=values[:, 2:].shape) * noise * values[:, 2:].std(axis=0)
+        return self.write("rubs.csv", csv(values))
 
     def test_a_line_with_friction_that_begins_in_motion(self):
         """From the least squares of one step the exact model was off by half of the signal."""
-        record = self.with_friction(every=1)
+        record = self.with_friction()
         self.assertIn("predicts the whole record", self.shell(f"dynoproof check-data {record} --scenario rubs.toml").stdout)
 
     def test_friction_that_is_missing_in_a_thinned_record(self):
-        """What an input does between its samples is told by what a short memory leaves, whatever the model lacks."""
-        record = self.with_friction(every=5)
-        self.assertIn("taken as band_limited_held", self.notes(record))
+        """Beside a model that lacks a friction all courses between the samples leave much the same, and the likeliest may be wrong: with a
+        line for what was held the friction is gone, or has a delay beside it. The friction itself tells the courses apart."""
+        record = self.with_friction(slice(6000, 10000, 5), noise=0.005)
+        self.assertIn("taken as linear", self.notes(record))
         found = self.document(f"dynoproof diagnose line.toml --data {record}", 0)
+        self.assertRegex(" ".join(found["notes"]), "beside [a-z]+_friction@inertia:I3 inputs are band_limited_held")
         self.assertEqual("effect_found", found["verdict"], found["reason"])
         (cause,) = found["effects"]
         self.assertEqual(("coulomb_friction", "inertia:I3"), (cause["name"], cause["at"]))

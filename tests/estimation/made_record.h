@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -72,6 +73,23 @@ inline MappedRecord RecordOf(const Plan& plan, double share, const std::vector<s
   record.end_s = samples.time.back();
   for (auto* signals : {&record.inputs, &record.outputs}) {
     for (const auto& [name, series] : *signals) record.step_s[name] = Seconds(rig->period);
+  }
+  return record;
+}
+
+/// Every n-th sample of a record, as a slower logger keeps them.
+inline MappedRecord Slower(MappedRecord record, std::size_t n) {
+  for (auto* signals : {&record.inputs, &record.outputs}) {
+    for (auto& [name, series] : *signals) {
+      std::vector<double> time, values;
+      for (std::size_t i = 0; i < series.time->size(); i += n) {
+        time.push_back((*series.time)[i]);
+        values.push_back((*series.values)[i]);
+      }
+      series = {std::make_shared<const std::vector<double>>(std::move(time)),
+                std::make_shared<const std::vector<double>>(std::move(values))};
+      record.step_s[name] *= static_cast<double>(n);
+    }
   }
   return record;
 }
