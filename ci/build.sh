@@ -2,6 +2,7 @@
 # Configures and builds. ci/build.sh [FOLDER [TARGET...]] with cmake options in CMAKE_OPTIONS.
 # A compiler cache helps only where it has seen the project: under one that is empty a new folder gets precompiled headers
 # in its place, and sources of a layer and tests that are compiled ten together, and keeps both. DYNOPROOF_PRECOMPILE=1 asks for these in any case.
+# DYNOPROOF_ONCE=1: nothing is changed here afterwards, so that laws and other plugins are compiled together, too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,7 +21,7 @@ precompiles() {
 }
 launcher=()
 if precompiles; then
-  launcher=(-DDYNOPROOF_PRECOMPILE=ON)
+  launcher=(-DDYNOPROOF_PRECOMPILE=ON ${DYNOPROOF_ONCE:+-DDYNOPROOF_ONCE=ON})
 elif command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   # What was compiled in one folder serves any other: paths in the sources are relative (-ffile-prefix-map), and so they are

@@ -5,4 +5,5 @@ cd "$(dirname "$0")/.."
 
 ./ci/setup.sh
 ./ci/build.sh build all
-exec ctest --test-dir build --output-on-failure --no-tests=error -j "$(nproc)" "$@"
+# One more than there are processors: some tests wait for a browser or a cluster.
+exec ctest --test-dir build --output-on-failure --no-tests=error -j "$(($(nproc) + 1))" "$@"
