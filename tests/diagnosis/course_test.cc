@@ -26,11 +26,13 @@ class CourseOfInputs : public ::testing::Test {
     EXPECT_TRUE(levels.ok()) << levels.failure().ToString();
     const Magnitudes magnitudes = MagnitudesOf(EstimationProblem(plan_, {record}, registry));
     Contest contest;
-    contest.contestants.push_back(NullOf(plan_, false, **levels, registry));
+    contest.contestants.emplace_back(NullHypothesis(plan_, false, **levels, registry));
     Contestant friction(contest.null().hypothesis.With(*registry.FindEffect("coulomb_friction"),
                                                        *ParsePlace("inertia:I5"), magnitudes));
-    FitAlong(friction, **levels, friction.hypothesis.start());
     contest.contestants.push_back(friction);
+    for (Contestant& one : contest.contestants)
+      one.levels = {
+          estimation::Fit(one.hypothesis, (**levels)[0], one.hypothesis.start(), {.renewals = 6, .near = true})};
     return OtherCourse(plan_, contest, **levels, registry);
   }
 

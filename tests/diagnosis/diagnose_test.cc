@@ -138,7 +138,7 @@ TEST(SlowDiagnose, NamesADelayOfACommandAndNotOfASensor) {
   EXPECT_LT(found.simulations, 3000.0);  // 1974, and half as many more
 }
 
-TEST(SlowDiagnose, NamesDryFrictionAtItsPlace) {
+TEST(NightlyDiagnose, NamesDryFrictionAtItsPlace) {
   const Diagnosis found = DiagnosisOf(WithEffect(AsBuilt(Nominal()), "coulomb_friction", "inertia:I5", {30.0}), 0.005);
   ASSERT_EQ(found.verdict, Conclusion::kEffectFound) << found.reason;
   EXPECT_EQ(found.effects[0].name + "@" + found.effects[0].at, "coulomb_friction@inertia:I5");

@@ -55,9 +55,12 @@ std::vector<Case> Cases() {
 }
 
 /// Each is a test of its own, so that they run side by side.
-class SlowTwentyCases : public ::testing::TestWithParam<int> {};
+class TwentyCases : public ::testing::TestWithParam<int> {
+ protected:
+  void ComesBack() const;
+};
 
-TEST_P(SlowTwentyCases, ComesBack) {
+void TwentyCases::ComesBack() const {
   const Case one = Cases()[static_cast<std::size_t>(GetParam())];
   std::vector<std::string> changes;
   if (one.duration_s > 0.0) changes.push_back("run.duration_s=" + std::to_string(one.duration_s));
@@ -89,9 +92,19 @@ TEST_P(SlowTwentyCases, ComesBack) {
   EXPECT_LT(found->level->simulations, 2000);
 }
 
-INSTANTIATE_TEST_SUITE_P(, SlowTwentyCases, ::testing::Range(0, 20), [](const auto& tested) {
+std::string NameOf(const ::testing::TestParamInfo<int>& tested) {
   return Cases()[static_cast<std::size_t>(tested.param)].scenario + "_" + std::to_string(tested.param + 1);
-});
+}
+
+class SlowTwentyCases : public TwentyCases {};
+TEST_P(SlowTwentyCases, ComeBack) { ComesBack(); }
+INSTANTIATE_TEST_SUITE_P(, SlowTwentyCases, ::testing::Values(0, 2, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 19),
+                         NameOf);
+
+/// Four of them take as long as all others: soft rotors and the backlash bed.
+class NightlyTwentyCases : public TwentyCases {};
+TEST_P(NightlyTwentyCases, ComeBack) { ComesBack(); }
+INSTANTIATE_TEST_SUITE_P(, NightlyTwentyCases, ::testing::Values(1, 3, 17, 18), NameOf);
 
 }  // namespace
 }  // namespace dynoproof::identification
