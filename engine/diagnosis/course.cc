@@ -5,17 +5,23 @@
 #include <utility>
 
 #include "diagnosis/parts.h"
+#include "diagnosis/policy.h"
 #include "identification/between_samples.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-/// What a course must leave of what the guess leaves (RMS): a fit with lags and delays of its own may gain some hundredths by another one.
-constexpr double kClearly = 0.5;
-
 bool Allows(const Plan& plan, const MappedRecord& record, const std::string& between) {
   const std::vector<std::string> possible = identification::PossibleBetween(plan, record);
   return std::ranges::find(possible, between) != possible.end();
+}
+
+/// Whether that is what was guessed.
+bool IsOn(const Plan& plan, const MappedRecord& record, const std::string& between) {
+  return std::ranges::all_of(identification::UnstatedInputs(plan, record), [&](const std::string& input) {
+    const auto own = record.between.find(input);
+    return own != record.between.end() && own->second == between;
+  });
 }
 
 /// Whether a run goes on between samples of inputs of which nobody says what they do there.
@@ -54,6 +60,7 @@ std::optional<Course> OtherCourse(const Plan& plan, const Contest& contest, cons
   std::optional<Course> best;
   for (const std::string& between : identification::PossibleBetween(plan, records.front())) {
     if (!std::ranges::all_of(records, [&](const auto& record) { return Allows(plan, record, between); })) continue;
+    if (std::ranges::all_of(records, [&](const auto& record) { return IsOn(plan, record, between); })) continue;
     const Result<std::unique_ptr<Levels>> there =
         Levels::Of(plan, OnCourse(records, plan, {between, ""}), registry, 0.0, kComparedRows, &levels);
     if (!there.ok() || (*there)->size() <= contest.first) continue;
@@ -62,7 +69,7 @@ std::optional<Course> OtherCourse(const Plan& plan, const Contest& contest, cons
       const estimation::Estimate fit = LeastFrom(*model, level, (**there)[contest.first]);
       if (!fit.ok()) continue;
       const double times = std::exp(0.5 * (LogLeft(fit, **there) - own));
-      if (times < kClearly && (!best || times < best->times)) best = Course{between, model->Name(), times};
+      if (times < policy::kOtherCourse && (!best || times < best->times)) best = Course{between, model->Name(), times};
     }
   }
   return best;

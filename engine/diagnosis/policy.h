@@ -102,6 +102,9 @@ inline constexpr double kHumUnsteady = 0.3, kMostHumShare = 0.2;
 /// pair of causes leaves nothing but noise. Three worlds of which sensors warmed up left 0.05, 0.12 and 0.35, and in the frozen pair
 /// 2807/9 a slow input's dead zone looked like drifts that left 0.002.
 inline constexpr double kDriftsLeave = 0.5, kDriftShows = 0.5, kDriftsAlone = 0.1;
+/// RMS beyond the noise that a model leaves with another course of inputs between their samples, over what the best one leaves with the guess:
+/// right ones of lines with friction left 0.017 to 0.058, the best of wrong ones 0.69.
+inline constexpr double kOtherCourse = 0.5;
 /// Least share that a cause may have at a level, and at one with a memory on data that took no part: below it makes things worse there.
 inline constexpr double kHarm = -0.05;
 
