@@ -62,7 +62,7 @@ std::optional<Course> OtherCourse(const Plan& plan, const Contest& contest, cons
     if (!std::ranges::all_of(records, [&](const auto& record) { return Allows(plan, record, between); })) continue;
     if (std::ranges::all_of(records, [&](const auto& record) { return IsOn(plan, record, between); })) continue;
     const Result<std::unique_ptr<Levels>> there =
-        Levels::Of(plan, OnCourse(records, plan, {between, ""}), registry, 0.0, kComparedRows, &levels);
+        Levels::Of(plan, OnCourse(records, plan, between), registry, 0.0, kComparedRows, &levels);
     if (!there.ok() || (*there)->size() <= contest.first) continue;
     for (const auto& [model, level] : {std::pair(corrected, contest.first), std::pair(free, levels.free_run())}) {
       if (model == nullptr) continue;
@@ -75,10 +75,9 @@ std::optional<Course> OtherCourse(const Plan& plan, const Contest& contest, cons
   return best;
 }
 
-std::vector<MappedRecord> OnCourse(std::vector<MappedRecord> records, const Plan& plan, const Course& course) {
+std::vector<MappedRecord> OnCourse(std::vector<MappedRecord> records, const Plan& plan, const std::string& between) {
   for (MappedRecord& record : records) {
-    if (Allows(plan, record, course.between))
-      record = identification::WithBetween(std::move(record), plan, course.between);
+    if (Allows(plan, record, between)) record = identification::WithBetween(std::move(record), plan, between);
   }
   return records;
 }

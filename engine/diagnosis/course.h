@@ -24,6 +24,6 @@ std::optional<Course> OtherCourse(const Plan& plan, const Contest& contest, cons
                                   const Registry& registry);
 
 /// The records with those of their inputs on that course of which nobody says it.
-std::vector<MappedRecord> OnCourse(std::vector<MappedRecord> records, const Plan& plan, const Course& course);
+std::vector<MappedRecord> OnCourse(std::vector<MappedRecord> records, const Plan& plan, const std::string& between);
 
 }  // namespace dynoproof::diagnosis

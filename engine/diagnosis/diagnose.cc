@@ -105,7 +105,8 @@ Result<Diagnosis> DiagnoseFrom(const Question& asked) {
     return DiagnoseFrom({plan, registry, options, cleaned, others, next});
   }
   if (const std::optional<Course>& course = (*pipeline)->course()) {
-    const std::vector<MappedRecord> again = OnCourse(data, plan, *course), others = OnCourse(holdout, plan, *course);
+    const std::vector<MappedRecord> again = OnCourse(data, plan, course->between),
+                                    others = OnCourse(holdout, plan, course->between);
     Before next =
         After(**pipeline, before,
               fmt::format("beside {} inputs are {} between their samples: {:.2g} times as much is left then as "

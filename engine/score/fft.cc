@@ -22,15 +22,16 @@ bool IsSmooth(std::size_t n) {
 /// Of real or complex samples, where their number has small factors alone. A fit transforms thousands of series of one length: the
 /// factors of the last one are kept.
 template <typename Scalar>
-std::vector<Complex> Smooth(const std::vector<Scalar>& x) {
+std::vector<Complex> Smooth(std::span<const Scalar> x) {
   struct Plan {
     std::size_t length = 0;
     Eigen::FFT<double> fft;
   };
   thread_local Plan plan;
   if (plan.length != x.size()) plan = {x.size(), {}};
-  std::vector<Complex> out(x.begin(), x.end());
-  if (x.size() > 1) plan.fft.fwd(out, x);
+  if (x.size() < 2) return {x.begin(), x.end()};
+  std::vector<Complex> out(x.size());
+  plan.fft.fwd(out.data(), x.data(), static_cast<Eigen::Index>(x.size()));
   return out;
 }
 
@@ -48,7 +49,7 @@ struct Chirp {
     }
     spectrum[0] = std::conj(of_sample[0]);
     for (std::size_t i = 1; i < n; ++i) spectrum[i] = spectrum[spectrum.size() - i] = std::conj(of_sample[i]);
-    spectrum = Smooth(spectrum);
+    spectrum = Smooth<Complex>(spectrum);
   }
   std::vector<Complex> of_sample, spectrum;
 };
@@ -62,10 +63,10 @@ std::vector<Complex> Bluestein(std::span<const Complex> x) {
   const std::size_t padded = chirp.spectrum.size();
   std::vector<Complex> a(padded);
   for (std::size_t i = 0; i < n; ++i) a[i] = x[i] * chirp.of_sample[i];
-  a = Smooth(a);
+  a = Smooth<Complex>(a);
   // The inverse is the conjugate of the transform of the conjugate.
   for (std::size_t i = 0; i < padded; ++i) a[i] = std::conj(a[i] * chirp.spectrum[i]);
-  a = Smooth(a);
+  a = Smooth<Complex>(a);
   std::vector<Complex> out(n);
   for (std::size_t i = 0; i < n; ++i) out[i] = std::conj(a[i]) * chirp.of_sample[i] / static_cast<double>(padded);
   return out;
@@ -73,12 +74,10 @@ std::vector<Complex> Bluestein(std::span<const Complex> x) {
 
 }  // namespace
 
-std::vector<Complex> Fft(std::span<const Complex> x) {
-  return IsSmooth(x.size()) ? Smooth(std::vector<Complex>(x.begin(), x.end())) : Bluestein(x);
-}
+std::vector<Complex> Fft(std::span<const Complex> x) { return IsSmooth(x.size()) ? Smooth(x) : Bluestein(x); }
 
 std::vector<Complex> Fft(std::span<const double> x) {
-  if (IsSmooth(x.size())) return Smooth(std::vector<double>(x.begin(), x.end()));
+  if (IsSmooth(x.size())) return Smooth(x);
   return Bluestein(std::vector<Complex>(x.begin(), x.end()));
 }
 

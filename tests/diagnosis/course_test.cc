@@ -19,7 +19,7 @@ using identification::WithBetween;
 // The torque goes up to 1900 Hz: every second tick is still enough for it.
 class CourseOfInputs : public ::testing::Test {
  protected:
-  /// Of the nominal model and the one with the hidden friction, fitted to a record whose inputs count as `between`.
+  /// Returns the course that is found from two models that were fitted to `record`: the nominal one and the one with the hidden friction.
   std::optional<Course> Beside(const MappedRecord& record) {
     const Registry& registry = testing::BuiltIns();
     const auto levels = Levels::Of(plan_, {record}, registry, 0.0, 1000);
