@@ -78,7 +78,8 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
     for (const EffectParameter& known : effect->info().parameters) {
       const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
       const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
-      found.parameters.push_back({known.name, known.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+      found.parameters.push_back(
+          {known.name, parameter.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
       for (std::size_t level = 0; level < levels.size(); ++level) {
         if (!levels.IsSteppingStone(level) && one.Holds(level))
           found.parameters.back().by_level.emplace_back(levels.Name(level), parameter.ValueAt(one.levels[level].q[i]));
@@ -276,11 +277,11 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     result.explained = ExplainedShare(judged.problem, *judged.given, *judged.with_cause, judged.from);
   }
   // Shares are those of runs that the record corrects, too: what is right there and wrong in the free run is no main cause.
-  const bool worse = IsWorseThanGiven(result.explained, settled.exact);
+  const bool worse = IsNoBetterThanGiven(result.explained, settled.exact);
   if (result.verdict == Conclusion::kMainCause && worse) {
     result.verdict = Conclusion::kUnexplained;
     result.reason = fmt::format(
-        "{} removes most beside a run that the record corrects, but in the free run the model is worse with it",
+        "{} removes most beside a run that the record corrects, but in the free run the model is no better with it",
         model.Name());
   }
   for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
@@ -331,7 +332,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   if (result.effects.empty()) return {};
   if (worse) {
     result.notes.push_back(
-        "with this the model is worse on data that took no part than as given: no extended scenario is written");
+        "with this the model is no better on data that took no part than as given: no extended scenario is written");
     RemoveExtended(task.options);
     return {};
   }

@@ -161,8 +161,8 @@ Result<std::string> WriteExtended(const EstimationProblem& problem, const identi
   return Write(options, kExtended, text + OwnChecks(problem, diagnosis));
 }
 
-bool IsWorseThanGiven(const std::optional<Share>& explained, bool exact) {
-  return !exact && explained && !(explained->value >= 0.0);
+bool IsNoBetterThanGiven(const std::optional<Share>& explained, bool exact) {
+  return !exact && explained && !(explained->value > 0.0);
 }
 
 void RemoveExtended(const DiagnoseOptions& options) {

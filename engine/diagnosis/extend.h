@@ -15,9 +15,9 @@ namespace dynoproof::diagnosis {
 Result<std::string> WriteExtended(const EstimationProblem& problem, const identification::Hypothesis& hypothesis,
                                   const Diagnosis& diagnosis, const DiagnoseOptions& options);
 
-/// Whether an extension is not to be offered: it takes less than nothing off what the model as given leaves on data that took no part.
+/// Whether an extension is not to be offered: it takes nothing off what the model as given leaves on data that took no part.
 /// A model that leaves nothing but noise (`exact`) is worse by chance only.
-bool IsWorseThanGiven(const std::optional<Share>& explained, bool exact);
+bool IsNoBetterThanGiven(const std::optional<Share>& explained, bool exact);
 /// `out`/extended.toml of an earlier diagnosis says nothing of this one.
 void RemoveExtended(const DiagnoseOptions& options);
 

@@ -6,9 +6,16 @@
 #include <vector>
 
 #include "base/random.h"
+#include "diagnosis/policy.h"
 
 namespace dynoproof::diagnosis {
 namespace {
+
+/// Standard deviation of rows of a channel; where these stand still, of the whole channel a share that is no motion.
+double SpreadOf(const Eigen::Ref<const Eigen::VectorXd>& rows, const ComparedOutput& channel) {
+  return std::max({std::sqrt((rows.array() - rows.mean()).square().mean()), policy::kStill * channel.spread,
+                   1e-12 * channel.nominal});
+}
 
 /// Blocks of the squares are drawn anew 1000 times: residuals are correlated within a block, hardly across.
 void Bootstrap(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, double spread, SignalGain& gain) {
@@ -45,7 +52,7 @@ std::map<std::string, SignalGain> GainsOf(const EstimationProblem& problem, cons
     const Eigen::Index count = c.count - first;
     if (count < 10) continue;
     const auto y = problem.measured().segment(c.begin + first, count);
-    const double spread = std::max(std::sqrt((y.array() - y.mean()).square().mean()), 1e-12 * c.nominal);
+    const double spread = SpreadOf(y, c);
     const Eigen::ArrayXd b = (y - before.segment(c.begin + first, count)).array().square();
     const Eigen::ArrayXd a = (y - after.segment(c.begin + first, count)).array().square();
     SignalGain gain{std::sqrt(b.mean()) / spread, std::sqrt(a.mean()) / spread, 0.0, 0.0};
@@ -65,17 +72,24 @@ Result<std::map<std::string, SignalGain>> MeasureGains(const EstimationProblem& 
 
 std::optional<Share> ExplainedShare(const EstimationProblem& problem, const Eigen::VectorXd& before,
                                     const Eigen::VectorXd& after, double from) {
-  constexpr Eigen::Index kBlocks = 40, kLeastRows = 5;
+  constexpr Eigen::Index kMostBlocks = 40, kLeastRows = 5;
   constexpr std::uint64_t kDraws = 1000;
-  std::vector<std::pair<double, double>> sums(kBlocks, {0.0, 0.0});  // of time, all signals together
+  const auto first_of = [from](const ComparedOutput& c) {
+    return static_cast<Eigen::Index>(from * static_cast<double>(c.count));
+  };
+  // Blocks of time, in which each signal has rows enough; signals with fewer than two blocks of them are left out.
+  Eigen::Index blocks = kMostBlocks;
   for (const ComparedOutput& c : problem.channels()) {
-    const auto first = static_cast<Eigen::Index>(from * static_cast<double>(c.count));
-    const Eigen::Index count = c.count - first, length = count / kBlocks;
+    const Eigen::Index own = (c.count - first_of(c)) / kLeastRows;
+    if (own >= 2) blocks = std::min(blocks, own);
+  }
+  std::vector<std::pair<double, double>> sums(static_cast<std::size_t>(blocks), {0.0, 0.0});  // all signals together
+  for (const ComparedOutput& c : problem.channels()) {
+    const Eigen::Index first = first_of(c), count = c.count - first, length = count / blocks;
     if (length < kLeastRows) continue;
     const auto y = problem.measured().segment(c.begin + first, count);
-    const double variance = (y.array() - y.mean()).square().mean();
-    if (!(variance > 0.0)) continue;
-    for (Eigen::Index b = 0; b < kBlocks; ++b) {
+    const double variance = std::pow(SpreadOf(y, c), 2);
+    for (Eigen::Index b = 0; b < blocks; ++b) {
       const auto squares = [&](const Eigen::VectorXd& predicted) {
         const Eigen::Index at = b * length;
         return (y.segment(at, length) - predicted.segment(c.begin + first + at, length)).squaredNorm() / variance;

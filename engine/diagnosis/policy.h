@@ -63,6 +63,8 @@ inline constexpr double kMost = 0.5, kLittle = 0.05;
 inline constexpr double kAlike = 0.98;
 /// Steps of a run that a search simulates: 1.2 s at 10 kHz are some 500 periods of a line's first mode.
 inline constexpr double kSearchedSteps = 12'000.0;
+/// A signal that stays within this share of its spread in a whole record stands still: of that no model's error is told.
+inline constexpr double kStill = 0.01;
 /// Distance of two predictions of a channel, over all of its rows, which no test sees [standard deviations of the noise].
 inline constexpr double kUnseen = 0.1;
 /// Modes of soft rotors that a search keeps, the fewest that no test sees: of three rotors of 70 and 100 slices 20 were 0.005, 0.03 and 0.07

@@ -154,7 +154,7 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     // its logarithm: beside the bound a start has no size.
     const bool logarithmic = known.lower > 0.0 && known.neutral == known.upper;
     Parameter parameter{effect.info().name + "@" + place.ToString() + " " + known.name,
-                        known.unit,
+                        UnitAt(known, place, nominal_),
                         logarithmic,
                         logarithmic ? value : neutral,
                         logarithmic ? 1.0 : size,

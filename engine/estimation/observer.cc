@@ -234,14 +234,6 @@ std::vector<int> OutputsOf(const Rig& rig, const std::vector<std::string>& names
   return outputs;
 }
 
-/// Slowest time constant of x+ = L x, in periods; infinite where it does not forget.
-double SlowestOf(const MatrixXd& L) {
-  double largest = 0.0;
-  for (const auto& value : dense::Eigenvalues(L)) largest = std::max(largest, std::abs(value));
-  if (!(largest < 1.0)) return std::numeric_limits<double>::infinity();
-  return largest > 0.0 ? -1.0 / std::log(largest) : 0.0;
-}
-
 /// A to the power of `count`, and the covariance that as many periods of white forces leave.
 std::pair<MatrixXd, MatrixXd> Over(int count, const MatrixXd& A, const MatrixXd& G) {
   MatrixXd power = MatrixXd::Identity(A.rows(), A.rows()), covariance = MatrixXd::Zero(A.rows(), A.rows());
@@ -381,53 +373,116 @@ Result<LinearModel> LinearModel::Reduced(const BuiltRun& whole, const BuiltRun& 
   return reduced;
 }
 
+namespace {
+
+/// How large unknown forces are for which a corrected run forgets as fast as is wanted.
+class ShareSearch {
+ public:
+  struct Found {
+    double share = 0.0;
+    const LinearModel::Regime* regime = nullptr;
+    std::size_t still = 0;  // modes of this regime that do not count
+    double memory_s = std::numeric_limits<double>::infinity();
+  };
+
+  ShareSearch(const LinearModel& model, VectorXd variance, int stride, double memory_s)
+      : model_(model), variance_(std::move(variance)), stride_(stride), memory_s_(memory_s) {}
+
+  mechanics::StationaryFilter Filter(const LinearModel::Regime& regime, double share) const {
+    const auto [A, unit] = Over(stride_, regime.A, regime.G);
+    // What no output sees in a regime, as the way through a gap, would become ever more uncertain: nothing is remembered for
+    // longer than a thousand memories.
+    const double leak = std::exp(-stride_ * model_.period_s / (kRemembered * memory_s_));
+    return mechanics::MakeStationaryFilter(leak * A, regime.C, share * share * unit, variance_);
+  }
+
+  /// The smallest share with which the most visited regime that can forgets as fast as wanted; the fastest, where none can. What no force
+  /// moves, as a wall that was given a large inertia, no gain corrects: where it is all that is remembered, the memory is that of the rest.
+  Found Find() const {
+    const Found found = Find([](const LinearModel::Regime&) { return std::size_t{0}; });
+    if (found.memory_s <= kRemembered * memory_s_) return found;
+    return Find([&](const LinearModel::Regime& regime) { return Still(regime); });
+  }
+
+ private:
+  /// Of the corrected run [s], the slowest first.
+  std::vector<double> TimeConstants(const LinearModel::Regime& regime, double share) const {
+    const MatrixXd A = Over(stride_, regime.A, regime.G).first;
+    std::vector<double> constants;
+    for (const auto& value : dense::Eigenvalues(model_.Seen(A - A * Filter(regime, share).gain * regime.C))) {
+      const double size = std::abs(value);
+      constants.push_back(!(size < 1.0) ? std::numeric_limits<double>::infinity()
+                          : size > 0.0  ? stride_ * model_.period_s * (-1.0 / std::log(size))
+                                        : 0.0);
+    }
+    std::ranges::sort(constants, std::ranges::greater());
+    return constants;
+  }
+
+  static double ShareAt(double place) {
+    return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
+  }
+
+  /// Modes that are remembered for more than a thousand memories with whatever share.
+  std::size_t Still(const LinearModel::Regime& regime) const {
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (int i = 0; i < kShares; ++i) {
+      const auto count = std::ranges::count_if(TimeConstants(regime, ShareAt(i)), [&](double constant_s) {
+        return !(constant_s <= kRemembered * memory_s_);
+      });
+      least = std::min(least, static_cast<std::size_t>(count));
+    }
+    return least;
+  }
+
+  template <class StillIn>
+  Found Find(const StillIn& still_in) const {
+    Found best;
+    for (const LinearModel::Regime& regime : model_.regimes) {
+      const std::size_t still = still_in(regime);
+      const auto with = [&](double share) {
+        const std::vector<double> all = TimeConstants(regime, share);
+        return Found{share, &regime, still, still < all.size() ? all[still] : 0.0};
+      };
+      int first = -1;
+      for (int i = 0; i < kShares && first < 0; ++i) {
+        const Found one = with(ShareAt(i));
+        if (one.memory_s <= memory_s_) first = i;
+        if (one.memory_s < best.memory_s) best = one;
+      }
+      if (first < 0) continue;
+      double low = first - 1, high = first;
+      for (int i = 0; i < kHalvings && first > 0; ++i) {
+        const double middle = 0.5 * (low + high);
+        (with(ShareAt(middle)).memory_s > memory_s_ ? low : high) = middle;
+      }
+      return with(ShareAt(high));
+    }
+    return best;
+  }
+
+  const LinearModel& model_;
+  VectorXd variance_;
+  int stride_;
+  double memory_s_;  // wanted
+};
+
+}  // namespace
+
 Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_s, double memory_s)
     : states_(model.states),
       modes_(model.modes),
       slopes_(model.slopes),
       stride_(std::max(1, static_cast<int>(std::lround(step_s / model.period_s)))) {
   const VectorXd variance = noise.cwiseAbs2();
-  const double periods = stride_;
-  // What no output sees in a regime, as the way through a gap, would become ever more uncertain: nothing is remembered for
-  // longer than a thousand memories.
-  const double leak = std::exp(-periods * model.period_s / (kRemembered * memory_s));
-  const auto filter_of = [&](const LinearModel::Regime& regime, double share) {
-    const auto [A, unit] = Over(stride_, regime.A, regime.G);
-    return mechanics::MakeStationaryFilter(leak * A, regime.C, share * share * unit, variance);
-  };
-  const auto slowest = [&](const LinearModel::Regime& regime, double share) {
-    const MatrixXd A = Over(stride_, regime.A, regime.G).first;
-    return periods * model.period_s * SlowestOf(model.Seen(A - A * filter_of(regime, share).gain * regime.C));
-  };
-  const auto share_at = [](double place) {
-    return kLeastShare * std::pow(kMostShare / kLeastShare, place / (kShares - 1));
-  };
-  // The smallest share with which the most visited regime that can forgets as fast as wanted; the fastest, where none can.
-  double best_s = std::numeric_limits<double>::infinity();
-  const LinearModel::Regime* told = &model.regimes.front();
+  const ShareSearch search(model, variance, stride_, memory_s);
+  const ShareSearch::Found found = search.Find();
+  share_ = found.share;
+  memory_s_ = found.memory_s;
   for (const LinearModel::Regime& regime : model.regimes) {
-    int first = -1;
-    for (int i = 0; i < kShares && first < 0; ++i) {
-      const double found_s = slowest(regime, share_at(i));
-      if (found_s <= memory_s) first = i;
-      if (found_s < best_s) best_s = found_s, share_ = share_at(i), told = &regime;
-    }
-    if (first < 0) continue;
-    double low = first - 1, high = first;
-    for (int i = 0; i < kHalvings && first > 0; ++i) {
-      const double middle = 0.5 * (low + high);
-      (slowest(regime, share_at(middle)) > memory_s ? low : high) = middle;
-    }
-    share_ = share_at(high);
-    told = &regime;
-    break;
-  }
-  for (const LinearModel::Regime& regime : model.regimes) {
-    const mechanics::StationaryFilter filter = filter_of(regime, share_);
-    if (&regime == told) {
-      memory_s_ = slowest(regime, share_);
+    const mechanics::StationaryFilter filter = search.Filter(regime, share_);
+    if (&regime == (found.regime != nullptr ? found.regime : &model.regimes.front()))
       innovation_covariance_ = regime.C * filter.covariance * regime.C.transpose() + MatrixXd(variance.asDiagonal());
-    }
     MatrixXd physical = model.scale.asDiagonal() * model.part.basis * filter.gain;
     // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would
     // make a spring of a friction.

@@ -23,6 +23,14 @@ std::optional<Place> ParsePlace(std::string_view text) {
   return place;
 }
 
+std::string UnitAt(const EffectParameter& parameter, const Place& place, const Plan& plan) {
+  if (parameter.description.find("in the unit of") == std::string::npos) return parameter.unit;
+  const std::string unit = plan.root.TextOr(place.kind + "." + place.name + ".unit");
+  if (unit.empty() || unit == "1") return parameter.unit;
+  if (parameter.unit == "1") return unit;
+  return unit.ends_with("/s") ? unit + "^2" : unit + "/s";  // a drift
+}
+
 const PlantTraits& PlantOf(const Plan& plan, const PlantCatalogue& plants) {
   static const PlantTraits none;
   const Value* type = plan.root.FindPath("plant.type");

@@ -24,6 +24,10 @@ struct EffectParameter {
   double start;         // where a search begins, within the bounds
 };
 
+/// The unit of a parameter at a place. Effects on signals describe some parameters as "in the unit of the output", or "... per second":
+/// the scenario tells that unit.
+std::string UnitAt(const EffectParameter& parameter, const Place& place, const Plan& plan);
+
 /// What kind of change an effect is, for whoever searches for one: a search asks for these and knows no effect by name.
 struct EffectTraits {
   /// Dry friction: not smooth, the force jumps or sticks where the speed changes its sign.

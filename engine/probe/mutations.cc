@@ -45,16 +45,6 @@ void Add(const Effect& effect, const Place& place, Mutation mutation, const Valu
   all.push_back(std::move(mutation));
 }
 
-/// The unit of a parameter. Effects on signals describe some parameters as "in the unit of the output" or "... per second": the
-/// scenario tells that unit.
-std::string UnitOf(const EffectParameter& parameter, const Place& place, const Plan& plan) {
-  if (parameter.description.find("in the unit of") == std::string::npos) return parameter.unit;
-  const std::string unit = plan.root.TextOr(place.kind + "." + place.name + ".unit");
-  if (unit.empty() || unit == "1") return parameter.unit;
-  if (parameter.unit == "1") return unit;
-  return unit.ends_with("/s") ? unit + "^2" : unit + "/s";  // a drift
-}
-
 /// An effect that grows from a neutral value, once for each direction that its bounds leave.
 void AddGrowing(const Effect& effect, const Place& place, const Plan& plan, const std::vector<double>& start,
                 std::vector<Mutation>& all) {
@@ -77,7 +67,7 @@ void AddGrowing(const Effect& effect, const Place& place, const Plan& plan, cons
       }
       return at;
     };
-    Add(effect, place, {.unit = UnitOf(first, place, plan), .sign = sign, .usual = std::abs(step), .largest = largest},
+    Add(effect, place, {.unit = UnitAt(first, place, plan), .sign = sign, .usual = std::abs(step), .largest = largest},
         values, all);
   }
 }
@@ -102,7 +92,7 @@ void AddFalling(const Effect& effect, const Place& place, const Plan& plan, cons
     return at;
   };
   Add(effect, place,
-      {.unit = UnitOf(parameter, place, plan),
+      {.unit = UnitAt(parameter, place, plan),
        .usual = to,
        .largest = std::log(parameter.lower / from) / std::log(to / from),
        .falling = true,

@@ -13,12 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Extend, OffersNothingThatIsWorseThanTheModelAsGiven) {
-  EXPECT_TRUE(IsWorseThanGiven(Share{-0.1, -0.2, 0.1}, false));
-  EXPECT_TRUE(IsWorseThanGiven(Share{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, false));
-  EXPECT_FALSE(IsWorseThanGiven(Share{0.1, -0.2, 0.3}, false));
-  EXPECT_FALSE(IsWorseThanGiven(Share{-1e-3, -0.2, 0.1}, true)) << "nothing but noise is left";
-  EXPECT_FALSE(IsWorseThanGiven(std::nullopt, false)) << "nothing was compared";
+TEST(Extend, OffersNothingThatIsNoBetterThanTheModelAsGiven) {
+  EXPECT_TRUE(IsNoBetterThanGiven(Share{0.0, 0.0, 0.0}, false)) << "the run is as it was";
+  EXPECT_TRUE(IsNoBetterThanGiven(Share{-0.1, -0.2, 0.1}, false));
+  EXPECT_TRUE(IsNoBetterThanGiven(Share{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, false));
+  EXPECT_FALSE(IsNoBetterThanGiven(Share{0.1, -0.2, 0.3}, false));
+  EXPECT_FALSE(IsNoBetterThanGiven(Share{-1e-3, -0.2, 0.1}, true)) << "nothing but noise is left";
+  EXPECT_FALSE(IsNoBetterThanGiven(std::nullopt, false)) << "nothing was compared";
 }
 
 TEST(Extend, LeavesNoExtensionOfAnEarlierDiagnosis) {

@@ -105,6 +105,25 @@ TEST(Observer, OfAMassForgetsWithItsMemory) {
   }
 }
 
+// A pendulum's spring is tied to a wall, which is a body of a thousand tons: it stands still whatever acts on it, and no gain moves it.
+TEST(Observer, OfABodyTiedToAWallForgetsWithItsMemoryToo) {
+  Plan plan = testing::OneMass(2.0,
+                               Value{{"type", "sine_sum"},
+                                     {"amplitudes", Value::Array{5.0}},
+                                     {"frequencies_Hz", Value::Array{7.0}},
+                                     {"phases_rad", Value::Array{0.0}}},
+                               1.0);
+  WriteNumber(plan.root, "plant.inertia.wall", 1e6);
+  plan.root["plant"]["shaft"]["spring"] =
+      Value{{"between", Value::Array{"I", "wall"}}, {"stiffness_Nm_per_rad", 800.0}, {"damping_Nms_per_rad", 1.0}};
+  const DataSet data({RecordOf(plan, 0.01, {"phi"})}, plan);
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok()) << model.failure().ToString();
+  const Eigen::VectorXd noise = Eigen::VectorXd::Constant(1, data.channels().front().noise);
+  for (const double memory_s : {0.03, 0.1})
+    EXPECT_NEAR(Observer(*model, noise, 1e-4, memory_s).memory_s(), memory_s, 0.02 * memory_s);
+}
+
 TEST(MemoryFor, ALinesCommonSpeedIsNoModeHoweverItIsRounded) {
   const Plan plan = FourMasses(1.2);
   const DataSet data({RecordOf(plan, 0.01, {"T_shaft", "omega_1"})}, plan);
