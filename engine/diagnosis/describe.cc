@@ -277,8 +277,8 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     result.explained = ExplainedShare(judged.problem, *judged.given, *judged.with_cause, judged.from);
   }
   // Shares are those of runs that the record corrects, too: what is right there and wrong in the free run is no main cause.
-  const bool worse = IsNoBetterThanGiven(result.explained, settled.exact);
-  if (result.verdict == Conclusion::kMainCause && worse) {
+  const bool no_better = IsNoBetterThanGiven(result.explained, settled.exact);
+  if (result.verdict == Conclusion::kMainCause && no_better) {
     result.verdict = Conclusion::kUnexplained;
     result.reason = fmt::format(
         "{} removes most beside a run that the record corrects, but in the free run the model is no better with it",
@@ -330,7 +330,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
                                  .shares = SharesOf(one, contest.null(), levels)});
   }
   if (result.effects.empty()) return {};
-  if (worse) {
+  if (no_better) {
     result.notes.push_back(
         "with this the model is no better on data that took no part than as given: no extended scenario is written");
     RemoveExtended(task.options);

@@ -441,7 +441,7 @@ Contestant Pipeline::HalfOf(const Contestant& all, const estimation::Hypothesis:
 }
 
 bool Pipeline::DoesWithout(Answer& answer, Answer& before) {
-  if (!answer.settled.exact || answer.settled.causes.size() != 1) return false;
+  if (!answer.settled.exact || answer.settled.causes.empty()) return false;
   const std::size_t level = answer.settled.level;
   Contestant& all = answer.contest.contestants[answer.settled.causes.front()];
   PolishAt(level, all, answer.contest.null());

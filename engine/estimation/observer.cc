@@ -442,7 +442,10 @@ class ShareSearch {
       const std::size_t still = still_in(regime);
       const auto with = [&](double share) {
         const std::vector<double> all = TimeConstants(regime, share);
-        return Found{share, &regime, still, still < all.size() ? all[still] : 0.0};
+        const double memory_s = all.empty()          ? 0.0
+                                : still < all.size() ? all[still]
+                                                     : std::numeric_limits<double>::infinity();
+        return Found{share, &regime, still, memory_s};
       };
       int first = -1;
       for (int i = 0; i < kShares && first < 0; ++i) {
