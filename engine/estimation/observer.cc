@@ -380,36 +380,37 @@ class ShareSearch {
  public:
   struct Found {
     double share = 0.0;
-    const LinearModel::Regime* regime = nullptr;
-    std::size_t still = 0;  // modes of this regime that do not count
+    std::size_t regime = 0;
     double memory_s = std::numeric_limits<double>::infinity();
   };
 
   ShareSearch(const LinearModel& model, VectorXd variance, int stride, double memory_s)
-      : model_(model), variance_(std::move(variance)), stride_(stride), memory_s_(memory_s) {}
+      : model_(model), variance_(std::move(variance)), stride_(stride), memory_s_(memory_s) {
+    for (const LinearModel::Regime& regime : model.regimes) over_.push_back(Over(stride, regime.A, regime.G));
+  }
 
-  mechanics::StationaryFilter Filter(const LinearModel::Regime& regime, double share) const {
-    const auto [A, unit] = Over(stride_, regime.A, regime.G);
+  mechanics::StationaryFilter Filter(std::size_t regime, double share) const {
+    const auto& [A, unit] = over_[regime];
     // What no output sees in a regime, as the way through a gap, would become ever more uncertain: nothing is remembered for
     // longer than a thousand memories.
     const double leak = std::exp(-stride_ * model_.period_s / (kRemembered * memory_s_));
-    return mechanics::MakeStationaryFilter(leak * A, regime.C, share * share * unit, variance_);
+    return mechanics::MakeStationaryFilter(leak * A, model_.regimes[regime].C, share * share * unit, variance_);
   }
 
   /// The smallest share with which the most visited regime that can forgets as fast as wanted; the fastest, where none can. What no force
   /// moves, as a wall that was given a large inertia, no gain corrects: where it is all that is remembered, the memory is that of the rest.
   Found Find() const {
-    const Found found = Find([](const LinearModel::Regime&) { return std::size_t{0}; });
+    const Found found = Find([](std::size_t) { return std::size_t{0}; });
     if (found.memory_s <= kRemembered * memory_s_) return found;
-    return Find([&](const LinearModel::Regime& regime) { return Still(regime); });
+    return Find([&](std::size_t regime) { return Still(regime); });
   }
 
  private:
-  /// Of the corrected run [s], the slowest first.
-  std::vector<double> TimeConstants(const LinearModel::Regime& regime, double share) const {
-    const MatrixXd A = Over(stride_, regime.A, regime.G).first;
+  /// The time constants [s] of the modes of the corrected run, the slowest first.
+  std::vector<double> TimeConstants(std::size_t regime, double share) const {
+    const MatrixXd &A = over_[regime].first, &C = model_.regimes[regime].C;
     std::vector<double> constants;
-    for (const auto& value : dense::Eigenvalues(model_.Seen(A - A * Filter(regime, share).gain * regime.C))) {
+    for (const auto& value : dense::Eigenvalues(model_.Seen(A - A * Filter(regime, share).gain * C))) {
       const double size = std::abs(value);
       constants.push_back(!(size < 1.0) ? std::numeric_limits<double>::infinity()
                           : size > 0.0  ? stride_ * model_.period_s * (-1.0 / std::log(size))
@@ -424,7 +425,7 @@ class ShareSearch {
   }
 
   /// Modes that are remembered for more than a thousand memories with whatever share.
-  std::size_t Still(const LinearModel::Regime& regime) const {
+  std::size_t Still(std::size_t regime) const {
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int i = 0; i < kShares; ++i) {
       const auto count = std::ranges::count_if(TimeConstants(regime, ShareAt(i)), [&](double constant_s) {
@@ -435,17 +436,18 @@ class ShareSearch {
     return least;
   }
 
+  /// `still_in(regime)`: how many of its slowest modes do not count.
   template <class StillIn>
   Found Find(const StillIn& still_in) const {
     Found best;
-    for (const LinearModel::Regime& regime : model_.regimes) {
+    for (std::size_t regime = 0; regime < over_.size(); ++regime) {
       const std::size_t still = still_in(regime);
       const auto with = [&](double share) {
         const std::vector<double> all = TimeConstants(regime, share);
         const double memory_s = all.empty()          ? 0.0
                                 : still < all.size() ? all[still]
                                                      : std::numeric_limits<double>::infinity();
-        return Found{share, &regime, still, memory_s};
+        return Found{share, regime, memory_s};
       };
       int first = -1;
       for (int i = 0; i < kShares && first < 0; ++i) {
@@ -468,6 +470,8 @@ class ShareSearch {
   VectorXd variance_;
   int stride_;
   double memory_s_;  // wanted
+  std::vector<std::pair<MatrixXd, MatrixXd>>
+      over_;  // by regime: one sample's step, and the covariance of unit forces over it
 };
 
 }  // namespace
@@ -482,9 +486,10 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   const ShareSearch::Found found = search.Find();
   share_ = found.share;
   memory_s_ = found.memory_s;
-  for (const LinearModel::Regime& regime : model.regimes) {
-    const mechanics::StationaryFilter filter = search.Filter(regime, share_);
-    if (&regime == (found.regime != nullptr ? found.regime : &model.regimes.front()))
+  for (std::size_t i = 0; i < model.regimes.size(); ++i) {
+    const LinearModel::Regime& regime = model.regimes[i];
+    const mechanics::StationaryFilter filter = search.Filter(i, share_);
+    if (i == found.regime)
       innovation_covariance_ = regime.C * filter.covariance * regime.C.transpose() + MatrixXd(variance.asDiagonal());
     MatrixXd physical = model.scale.asDiagonal() * model.part.basis * filter.gain;
     // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would

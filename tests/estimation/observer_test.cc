@@ -15,14 +15,18 @@ namespace {
 
 using ::testing::ElementsAre;
 
+Plan SwungMass() {
+  return testing::OneMass(2.0,
+                          Value{{"type", "sine_sum"},
+                                {"amplitudes", Value::Array{5.0}},
+                                {"frequencies_Hz", Value::Array{7.0}},
+                                {"phases_rad", Value::Array{0.0}}},
+                          1.0);
+}
+
 /// A mass under a torque, its speed recorded with noise.
 struct Mass {
-  Plan plan = testing::OneMass(2.0,
-                               Value{{"type", "sine_sum"},
-                                     {"amplitudes", Value::Array{5.0}},
-                                     {"frequencies_Hz", Value::Array{7.0}},
-                                     {"phases_rad", Value::Array{0.0}}},
-                               1.0);
+  Plan plan = SwungMass();
   DataSet data{{RecordOf(plan, 0.01, {"w"})}, plan};
 };
 
@@ -107,12 +111,7 @@ TEST(Observer, OfAMassForgetsWithItsMemory) {
 
 // A pendulum's spring is tied to a wall, which is a body of a thousand tons: it stands still whatever acts on it, and no gain moves it.
 TEST(Observer, OfABodyTiedToAWallForgetsWithItsMemoryToo) {
-  Plan plan = testing::OneMass(2.0,
-                               Value{{"type", "sine_sum"},
-                                     {"amplitudes", Value::Array{5.0}},
-                                     {"frequencies_Hz", Value::Array{7.0}},
-                                     {"phases_rad", Value::Array{0.0}}},
-                               1.0);
+  Plan plan = SwungMass();
   WriteNumber(plan.root, "plant.inertia.wall", 1e6);
   plan.root["plant"]["shaft"]["spring"] =
       Value{{"between", Value::Array{"I", "wall"}}, {"stiffness_Nm_per_rad", 800.0}, {"damping_Nms_per_rad", 1.0}};
