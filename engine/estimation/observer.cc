@@ -486,10 +486,10 @@ Observer::Observer(const LinearModel& model, const VectorXd& noise, double step_
   const ShareSearch::Found found = search.Find();
   share_ = found.share;
   memory_s_ = found.memory_s;
-  for (std::size_t i = 0; i < model.regimes.size(); ++i) {
-    const LinearModel::Regime& regime = model.regimes[i];
-    const mechanics::StationaryFilter filter = search.Filter(i, share_);
-    if (i == found.regime)
+  for (std::size_t k = 0; k < model.regimes.size(); ++k) {
+    const LinearModel::Regime& regime = model.regimes[k];
+    const mechanics::StationaryFilter filter = search.Filter(k, share_);
+    if (k == found.regime)
       innovation_covariance_ = regime.C * filter.covariance * regime.C.transpose() + MatrixXd(variance.asDiagonal());
     MatrixXd physical = model.scale.asDiagonal() * model.part.basis * filter.gain;
     // What no output ever sees, as the angle where speeds are measured, runs on: moved along with what is seen, it would

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "estimation/predictor.h"
+#include "experiment/drive_by_record.h"
 #include "tests/estimation/four_masses.h"
 #include "tests/estimation/made_record.h"
 
