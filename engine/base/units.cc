@@ -178,8 +178,10 @@ bool SameQuantity(const Unit& a, const Unit& b) {
 std::string UnitOfSuffix(std::string_view name) {
   static const std::pair<std::string_view, std::string_view> table[] = {
       {"_Nm_per_rad3", "N m/rad^3"},
+      {"_N_per_m3", "N/m^3"},
       {"_Nm_per_rad", "N m/rad"},
       {"_Nms2_per_rad2", "N m s^2/rad^2"},
+      {"_Ns2_per_m2", "N s^2/m^2"},
       {"_Nms_per_rad", "N m s/rad"},
       {"_kg_m2", "kg m^2"},
       {"_J_per_kg_K", "J/(kg K)"},
@@ -188,6 +190,7 @@ std::string UnitOfSuffix(std::string_view name) {
       {"_Pas_per_kg", "Pa s/kg"},
       {"_Ns_per_m", "N s/m"},
       {"_rad_per_s", "rad/s"},
+      {"_m_per_s", "m/s"},
       {"_Nm_per_s", "N m/s"},
       {"_Hz_per_s", "Hz/s"},
       {"_Pa_per_rad", "Pa/rad"},

@@ -40,7 +40,7 @@ std::vector<Change> ChangesOf(const Contestant& exact, const Contestant& null, c
   std::vector<Change> changes;
   const std::vector<std::pair<std::string, double>> far = FarFromPriors(exact, null, levels);
   for (Trial& trial : TrialsOf(null.hypothesis, levels, magnitudes, registry)) {
-    const std::string scaled = trial.effect->ScaledParameter(trial.place);
+    const std::string scaled = trial.effect->ScaledIn(null.hypothesis.nominal(), trial.place);
     if (std::ranges::find(far, scaled, &std::pair<std::string, double>::first) == far.end()) continue;
     const double nominal = null.hypothesis.nominal().root.NumberOr(scaled, 0.0);
     changes.push_back({std::move(trial), *ValueIn(exact, scaled, levels.free_run()) / nominal - 1.0});

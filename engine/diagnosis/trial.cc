@@ -32,7 +32,7 @@ Magnitudes MagnitudesOf(const EstimationProblem& problem) {
     m.output_spread[channel.name] = channel.spread;
     const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);
     if (channel.unit == "N m" || channel.unit == "N") torque = std::max(torque, rms);
-    if (channel.unit == "rad/s") speed = std::max(speed, rms);
+    if (channel.unit == "rad/s" || channel.unit == "m/s") speed = std::max(speed, rms);
   }
   m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;
   m.speed = speed > 0.0 ? speed : 1.0;
@@ -71,7 +71,7 @@ std::vector<Trial> TrialsOf(const estimation::Hypothesis& base, const Levels& le
 Index NumberChanged(const Trial& trial, const Hypothesis& null) {
   const auto& known = null.parameters();
   const auto changed =
-      std::ranges::find(known, trial.effect->ScaledParameter(trial.place), &estimation::Parameter::name);
+      std::ranges::find(known, trial.effect->ScaledIn(null.nominal(), trial.place), &estimation::Parameter::name);
   return changed != known.end() ? changed - known.begin() : -1;
 }
 

@@ -132,7 +132,7 @@ Hypothesis Hypothesis::WithDifferencesFree(std::size_t records) const {
 
 Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magnitudes& magnitudes) const {
   Hypothesis more = *this;
-  const std::string scaled = effect.ScaledParameter(place);
+  const std::string scaled = effect.ScaledIn(nominal_, place);
   for (std::size_t i = 0; i < more.parameters_.size(); ++i) {
     if (scaled.empty() || more.parameters_[i].name != scaled) continue;
     const auto k = static_cast<Eigen::Index>(i);
@@ -154,7 +154,7 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     // its logarithm: beside the bound a start has no size.
     const bool logarithmic = known.lower > 0.0 && known.neutral == known.upper;
     Parameter parameter{effect.info().name + "@" + place.ToString() + " " + known.name,
-                        UnitAt(known, place, nominal_),
+                        effect.UnitAt(i, place, nominal_),
                         logarithmic,
                         logarithmic ? value : neutral,
                         logarithmic ? 1.0 : size,

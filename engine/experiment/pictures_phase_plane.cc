@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/law.h"
+#include "model/motion.h"
 
 namespace dynoproof {
 namespace {
@@ -69,17 +70,23 @@ void AddAreas(const Law& law, const std::string& name, double half_gap, double m
 
 std::unique_ptr<Law> MakeLaw(const Prepared& prepared, const Value& shaft, const std::string& name) {
   Diagnostics ignored;  // the rig has been built of the same table
+  const Motion motion = MotionOf(*prepared.plan.root.Find("plant"));
   BuildContext context{
-      *prepared.registry, ignored, name, {"between", "initial_twist_rad", "initial_twist_rate_rad_per_s", "law"}};
+      *prepared.registry,
+      ignored,
+      name,
+      {"between", NameIn(motion, "initial_twist_rad"), NameIn(motion, "initial_twist_rate_rad_per_s"), "law"}};
+  context.motion = motion;
   return prepared.registry->MakeLaw(shaft.TextOr("law"), shaft, context);
 }
 
 }  // namespace
 
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures) {
+  const Motion motion = MotionOf(*prepared.plan.root.Find("plant"));
   for (const Value::Entry& shaft : ShaftsOf(prepared.plan)) {
-    const double half_gap = shaft.value.NumberOr("half_gap_rad", 0.0);
-    const std::string twist = OutputOf(prepared.plan, shaft.key, "twist"),
+    const double half_gap = shaft.value.NumberOr(KeyIn(motion, shaft.value, "half_gap_rad"), 0.0);
+    const std::string twist = OutputOf(prepared.plan, shaft.key, NameIn(motion, "twist")),
                       rate = OutputOf(prepared.plan, shaft.key, "rate");
     if (!(half_gap > 0.0) || twist.empty() || rate.empty()) continue;
     // The scenario's law and one with damping inside the gap, if a variant has one: the thesis compares these two.
@@ -98,9 +105,11 @@ void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures&
       const std::string name = table.TextOr("law");
       Picture picture{.key = "phase_plane:" + name,
                       .title = fmt::format("Phase plane of shaft \"{}\", {}", shaft.key, name),
-                      .note = "twist against twist rate; in the areas both sides touch, in between the shaft is free",
-                      .x = {"twist " + twist, "rad"},
-                      .y = {"twist rate " + rate, "rad/s"}};
+                      .note = TextIn(motion,
+                                     "twist against its rate; in the areas both sides touch, in between the "
+                                     "shaft is free"),
+                      .x = {NameIn(motion, "twist") + " " + twist, UnitIn(motion, "rad")},
+                      .y = {NameIn(motion, "twist") + " rate " + rate, UnitIn(motion, "rad/s")}};
       double most_twist = 0.0, most_rate = 0.0;
       for (std::size_t i = 0; i < d->values.size(); ++i) {
         most_twist = std::max(most_twist, std::abs(d->values[i]));

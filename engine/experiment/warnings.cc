@@ -49,9 +49,9 @@ void AddWarnings(const Prepared& prepared, Diagnostics& diagnostics) {
   }
   const bool held_against_record = prepared.record && !prepared.record->file.empty();
   if ((checks == nullptr || checks->array().empty()) && !held_against_record) {
-    diagnostics.Warning(prepared.plan.root.where(),
-                        "the scenario states no checks: `run` compares nothing, and ends with 1",
-                        "add [[check]] kind = \"solvers\"", "dynoproof list");
+    diagnostics.Warning(
+        prepared.plan.root.where(), "the scenario states no checks: `run` compares nothing, and ends with 1",
+        "add [[check]] kind = \"solvers\", with its signal, nrmse and origin", "dynoproof describe check.solvers");
     return;
   }
   const Block* nonlinear = NonlinearBlock(*prepared.rig);
@@ -62,7 +62,7 @@ void AddWarnings(const Prepared& prepared, Diagnostics& diagnostics) {
       fmt::format("{}: {} is nonlinear, and no check compares the solvers: steps of `realtime` that are too "
                   "coarse for it go unseen",
                   prepared.plan.id, nonlinear->name),
-      "add [[check]] kind = \"solvers\"", "dynoproof describe check.solvers");
+      "add [[check]] kind = \"solvers\", with its signal, nrmse and origin", "dynoproof describe check.solvers");
 }
 
 }  // namespace dynoproof

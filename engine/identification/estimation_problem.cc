@@ -9,6 +9,7 @@
 
 #include "experiment/drive_by_record.h"
 #include "experiment/prepare.h"
+#include "model/motion.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 #include "sim/solver.h"
@@ -22,7 +23,8 @@ bool HasUndampedShaft(const Plan& plan) {
   const Value* shafts = plan.root.FindPath("plant.shaft");
   const std::vector<std::string> names = shafts != nullptr ? KeysOf(*shafts) : std::vector<std::string>();
   return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    const Value* damping = shafts->Find(name)->Find("damping_Nms_per_rad");
+    const Value& shaft = *shafts->Find(name);
+    const Value* damping = shaft.Find(KeyIn(MotionOf(*plan.root.Find("plant")), shaft, "damping_Nms_per_rad"));
     return damping == nullptr || (damping->is_number() && damping->number() == 0.0);
   });
 }

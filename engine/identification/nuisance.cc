@@ -15,7 +15,7 @@ std::vector<Nuisance> NuisancesOf(const Plan& plan, const Registry& registry, bo
   constexpr double kWidest = 0.5;  // a spread for a number without a prior, where one is needed
   std::map<std::string, std::pair<const Effect*, Place>> scaled;  // by the path of the number
   for (const Effect* effect : registry.Effects()) {
-    for (const Place& place : effect->Places(plan)) scaled.try_emplace(effect->ScaledParameter(place), effect, place);
+    for (const Place& place : effect->Places(plan)) scaled.try_emplace(effect->ScaledIn(plan, place), effect, place);
   }
   std::vector<Nuisance> nuisances;
   for (const NuisanceParameter& one : NuisancesWithPriors(plant, plan)) {

@@ -26,12 +26,14 @@ constexpr double kShareLeft = 0.5;  // of the distance that was
 struct Cause {
   double factor;
   const char* text;
+  bool of_angles, of_rates;  // of which quantities; both false: of all
 };
-constexpr std::array<Cause, 5> kCauses = {{{1000.0, "a prefix: kilo or milli"},
-                                           {60.0, "minutes and seconds"},
-                                           {9.5493, "1/min and rad/s"},
-                                           {57.2958, "degrees and radians"},
-                                           {6.2832, "turns and radians (Hz and rad/s)"}}};
+constexpr std::array<Cause, 6> kCauses = {{{1000.0, "a prefix: kilo or milli", false, false},
+                                           {60.0, "minutes and seconds", true, true},
+                                           {9.5493, "1/min and rad/s", true, false},
+                                           {57.2958, "degrees and radians", true, false},
+                                           {6.2832, "turns and radians (Hz and rad/s)", true, false},
+                                           {3.6, "hours and seconds (km/h and m/s)", false, true}}};
 
 Series Scaled(const Series& series, double factor) {
   std::vector<double> values = *series.values;
@@ -91,9 +93,10 @@ std::string TextOfFactor(const std::string& names, double factor, const std::str
 }  // namespace
 
 std::optional<std::string> CauseOfFactor(double factor, const std::string& unit) {
-  const bool turns = unit == "1" || unit.find("rad") != std::string::npos || unit.find("/s") != std::string::npos;
+  const bool angle = unit == "1" || unit == "1/s" || unit.find("rad") != std::string::npos;
+  const bool rate = !angle && unit.find("/s") != std::string::npos;
   for (const Cause& cause : kCauses) {
-    if (!turns && cause.factor < 1000.0) continue;
+    if ((cause.of_angles || cause.of_rates) && !(cause.of_angles && angle) && !(cause.of_rates && rate)) continue;
     for (const double f : {cause.factor, 1.0 / cause.factor}) {
       if (std::abs(std::log(std::abs(factor) / f)) < 0.03) return fmt::format("about {:.4g}: {}?", f, cause.text);
     }

@@ -23,8 +23,24 @@ std::optional<Place> ParsePlace(std::string_view text) {
   return place;
 }
 
-std::string UnitAt(const EffectParameter& parameter, const Place& place, const Plan& plan) {
-  if (parameter.description.find("in the unit of") == std::string::npos) return parameter.unit;
+std::string Effect::ScaledIn(const Plan& plan, const Place& place) const {
+  std::string path = ScaledParameter(place);
+  const std::size_t dot = path.rfind('.');
+  const Value* table = dot == std::string::npos ? nullptr : plan.root.FindPath(path.substr(0, dot));
+  // The name of a body is no key that carries a unit: it is there as it is.
+  if (table == nullptr || table->Find(path.substr(dot + 1)) != nullptr) return path;
+  return path.substr(0, dot + 1) + KeyIn(MotionOf(*plan.root.Find("plant")), *table, path.substr(dot + 1));
+}
+
+std::string Effect::UnitAt(std::size_t index, const Place& place, const Plan& plan) const {
+  const EffectParameter& parameter = info_.parameters[index];
+  if (!parameter.of_signal) {
+    const Value* plant = plan.root.Find("plant");
+    const bool slides = PlantOf(plan).slides || (plant != nullptr && MotionOf(*plant) == Motion::kTranslation);
+    // A harmonic's phase is an angle in either motion; its order, per turn of a body, counts radians per length.
+    if (slides && info_.traits.harmonic && index > 0) return index == 1 ? "rad/m" : parameter.unit;
+    return UnitIn(slides ? Motion::kTranslation : Motion::kRotation, parameter.unit);
+  }
   const std::string unit = plan.root.TextOr(place.kind + "." + place.name + ".unit");
   if (unit.empty() || unit == "1") return parameter.unit;
   if (parameter.unit == "1") return unit;
@@ -52,24 +68,26 @@ Points Effect::Starts(const Plan&, const Place&, const Magnitudes&) const {
 namespace {
 
 /// The parameters in the effect's order; faults are reported.
-bool ReadParameters(const Effect& effect, const EffectUse& use, std::vector<double>& values, Diagnostics& diagnostics) {
+bool ReadParameters(const Effect& effect, const EffectUse& use, const Plan& plan, std::vector<double>& values,
+                    Diagnostics& diagnostics) {
   const EffectInfo& info = effect.info();
+  const Place place = ParsePlace(use.at).value_or(Place{});
   const std::string more = "dynoproof describe " + info.name;
   std::vector<std::string> names;
   for (const EffectParameter& parameter : info.parameters) names.push_back(parameter.name);
   bool good = true;
-  for (const EffectParameter& parameter : info.parameters) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const EffectParameter& parameter = info.parameters[i];
+    const std::string unit = effect.UnitAt(i, place, plan);
     const Value* value = use.parameters.Find(parameter.name);
     if (value == nullptr) {
       diagnostics.Error(
           use.where, fmt::format("effect {} needs the parameter \"{}\"", info.name, parameter.name),
-          fmt::format("{} [{}], {} ... {}", parameter.description, parameter.unit, parameter.lower, parameter.upper),
-          more);
+          fmt::format("{} [{}], {} ... {}", parameter.description, unit, parameter.lower, parameter.upper), more);
       good = false;
     } else if (!value->is_number() || !Between(parameter.lower, parameter.upper).Contains(value->number())) {
       diagnostics.Error(value->where(), fmt::format("\"{}\" of effect {} is out of range", parameter.name, info.name),
-                        fmt::format("a number [{}], {} ... {}", parameter.unit, parameter.lower, parameter.upper),
-                        more);
+                        fmt::format("a number [{}], {} ... {}", unit, parameter.lower, parameter.upper), more);
       good = false;
     } else {
       values.push_back(value->number());
@@ -106,7 +124,7 @@ bool ApplyEffect(const Registry& registry, const EffectUse& use, Plan& plan, Dia
     return false;
   }
   std::vector<double> values;
-  bool good = ReadParameters(*effect, use, values, diagnostics);
+  bool good = ReadParameters(*effect, use, plan, values, diagnostics);
   const std::vector<Place> places = effect->Places(plan);
   const std::optional<Place> place = ParsePlace(use.at);
   if (!place || std::find(places.begin(), places.end(), *place) == places.end()) {

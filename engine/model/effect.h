@@ -19,14 +19,11 @@ namespace dynoproof {
 /// One parameter of an effect as a fit needs it.
 struct EffectParameter {
   std::string name, unit, description;
-  double lower, upper;  // bounds
-  double neutral;       // the effect vanishes here (for the strength); NaN for a shape parameter
-  double start;         // where a search begins, within the bounds
+  double lower, upper;     // bounds
+  double neutral;          // the effect vanishes here (for the strength); NaN for a shape parameter
+  double start;            // where a search begins, within the bounds
+  bool of_signal = false;  // in the unit of the signal that is its place, or, of unit 1/s, in that per second
 };
-
-/// The unit of a parameter at a place. Effects on signals describe some parameters as "in the unit of the output", or "... per second":
-/// the scenario tells that unit.
-std::string UnitAt(const EffectParameter& parameter, const Place& place, const Plan& plan);
 
 /// What kind of change an effect is, for whoever searches for one: a search asks for these and knows no effect by name.
 struct EffectTraits {
@@ -79,6 +76,11 @@ class Effect {
   virtual Points Starts(const Plan& plan, const Place& place, const Magnitudes& magnitudes) const;
   /// The path of the number that becomes nominal (1 + first parameter) and is all that changes; empty: there is none.
   virtual std::string ScaledParameter(const Place& /*place*/) const { return ""; }
+  /// That path as this plan writes it, whose bodies may slide.
+  std::string ScaledIn(const Plan& plan, const Place& place) const;
+
+  /// The unit of a parameter at a place of this plan, which tells those of signals and whether its bodies turn or slide.
+  std::string UnitAt(std::size_t parameter, const Place& place, const Plan& plan) const;
 
  protected:
   /// What the plant of a plan declares, by which an effect finds its places.

@@ -14,15 +14,19 @@ std::string Range::ToString() const {
   return "any";
 }
 
-void Faults::At(std::string_view key, std::string message, std::string hint) {
-  const Value* value = table_.Find(key);
-  diagnostics_.Error(value != nullptr ? value->where() : table_.where(), context_ + ": " + std::move(message),
-                     std::move(hint));
+void Faults::At(std::string_view key, std::string_view message, std::string_view hint) {
+  const Value* value = table_.Find(KeyIn(motion_, table_, key));
+  diagnostics_.Error(value != nullptr ? value->where() : table_.where(), context_ + ": " + TextIn(motion_, message),
+                     TextIn(motion_, hint));
 }
 
 ParamReader::ParamReader(const Value& table, Diagnostics& diagnostics, std::string context,
-                         std::vector<std::string> known)
-    : table_(table), diagnostics_(diagnostics), context_(std::move(context)), asked_(std::move(known)) {}
+                         std::vector<std::string> known, Motion motion)
+    : table_(table),
+      diagnostics_(diagnostics),
+      context_(std::move(context)),
+      asked_(std::move(known)),
+      motion_(motion) {}
 
 const Value* ParamReader::Take(const char* key, const std::string& rule, bool required, const char* description) {
   asked_.emplace_back(key);
@@ -30,14 +34,15 @@ const Value* ParamReader::Take(const char* key, const std::string& rule, bool re
   if (value == nullptr && required && table_.is_table()) {  // of no table Finish() says so, once
     ok_ = false;
     lacking_.emplace_back(key);
-    diagnostics_.Error(table_.where(), fmt::format("{} needs the key \"{}\" ({})", context_, key, description),
+    diagnostics_.Error(table_.where(),
+                       fmt::format("{} needs the key \"{}\" ({})", context_, key, TextIn(motion_, description)),
                        fmt::format("add {} = ... [{}]", key, rule), "");
   }
   return value;
 }
 
-std::string ParamReader::RuleText(const char* key, const Range& range) {
-  const std::string unit = range.unit.empty() ? UnitOfSuffix(key) : range.unit;
+std::string ParamReader::RuleText(const char* key, const Range& range) const {
+  const std::string unit = range.unit.empty() ? UnitOfSuffix(key) : UnitIn(motion_, range.unit);
   return unit.empty() || unit == "1" ? range.ToString() : fmt::format("{}, {}", unit, range.ToString());
 }
 

@@ -23,6 +23,7 @@
 #include "base/diagnostics.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "model/motion.h"
 #include "model/value.h"
 
 namespace dynoproof {
@@ -54,24 +55,28 @@ struct ParamInfo {
 /// Reports a fault at a parameter of a table.
 class Faults {
  public:
-  Faults(const Value& table, Diagnostics& diagnostics, std::string context)
-      : table_(table), diagnostics_(diagnostics), context_(std::move(context)) {}
+  Faults(const Value& table, Diagnostics& diagnostics, std::string context, Motion motion = Motion::kRotation)
+      : table_(table), diagnostics_(diagnostics), context_(std::move(context)), motion_(motion) {}
 
-  /// An error at that key, or at the table when the key is not written.
-  void At(std::string_view key, std::string message, std::string hint = "");
+  /// An error at that key, or at the table when the key is not written. Keys that the texts mention are told as they are
+  /// in this motion.
+  void At(std::string_view key, std::string_view message, std::string_view hint = "");
   const std::string& context() const { return context_; }
 
  private:
   const Value& table_;
   Diagnostics& diagnostics_;
   std::string context_;
+  Motion motion_;
 };
 
 /// Reads a table into a Params struct; every fault becomes a diagnostic.
 class ParamReader {
  public:
-  /// `context` names the table in messages ("source.chirp"); `known` are keys that somebody else reads.
-  ParamReader(const Value& table, Diagnostics& diagnostics, std::string context, std::vector<std::string> known = {});
+  /// `context` names the table in messages ("source.chirp"); `known` are keys that somebody else reads. Keys and units of
+  /// rotation are read as those of `motion`.
+  ParamReader(const Value& table, Diagnostics& diagnostics, std::string context, std::vector<std::string> known = {},
+              Motion motion = Motion::kRotation);
 
   template <class T, class Rule>
   void Required(const char* key, T& field, const Rule& rule, const char* description) {
@@ -89,12 +94,14 @@ class ParamReader {
   using Choices = std::vector<std::string>;
 
   template <class T, class Rule>
-  void Read(const char* key, T& field, const Rule& rule, bool required, const char* description) {
+  void Read(const char* name, T& field, const Rule& rule, bool required, const char* description) {
+    const std::string own = KeyIn(motion_, table_, name);
+    const char* key = own.c_str();
     const Value* value = Take(key, RuleText(key, rule), required, description);
     if (value != nullptr && !Assign(*value, key, field, rule)) ok_ = false;
   }
   const Value* Take(const char* key, const std::string& rule, bool required, const char* description);
-  static std::string RuleText(const char* key, const Range& range);
+  std::string RuleText(const char* key, const Range& range) const;
   static std::string RuleText(const char*, const Choices& choices);
 
   bool Assign(const Value& value, const char* key, double& field, const Range& range);
@@ -150,6 +157,7 @@ class ParamReader {
   Diagnostics& diagnostics_;
   std::string context_;
   std::vector<std::string> asked_, lacking_;  // keys that may stand there; those that have to and do not
+  Motion motion_;
   bool ok_ = true;
 };
 
@@ -191,14 +199,14 @@ class ParamLister {
 /// Reads `table` into `params`; true when nothing was wrong.
 template <class P>
 bool ReadParams(const Value& table, P& params, Diagnostics& diagnostics, const std::string& context,
-                std::vector<std::string> known = {}) {
-  ParamReader reader(table, diagnostics, context, std::move(known));
+                std::vector<std::string> known = {}, Motion motion = Motion::kRotation) {
+  ParamReader reader(table, diagnostics, context, std::move(known), motion);
   params.Visit(reader);
   reader.Finish();
   if constexpr (requires(Faults & faults) { params.Check(faults); }) {
     if (reader.ok()) {
       const int before = diagnostics.error_count();
-      Faults faults(table, diagnostics, context);
+      Faults faults(table, diagnostics, context, motion);
       params.Check(faults);
       return diagnostics.error_count() == before;
     }
@@ -217,7 +225,7 @@ std::vector<ParamInfo> ListParams() {
 template <class T>
 bool ParamReader::ReadTable(const Value& table, T& params, const std::string& context) {
   if (!table.is_table()) return Wrong(table, context, "a table");
-  return ReadParams(table, params, diagnostics_, context);
+  return ReadParams(table, params, diagnostics_, context, {}, motion_);
 }
 
 }  // namespace dynoproof

@@ -41,6 +41,8 @@ struct PlantTraits {
   std::vector<MeasuredStart> measured_starts = {};
   /// [plant] is laid out as a drive line: inertia, rotor, shaft, load, torque and run by name.
   bool drive_line = false;
+  /// Its bodies slide, whatever the plan says of their motion.
+  bool slides = false;
   /// Bodies that a [plant.load.NAME] on them brakes, as places.
   std::function<std::vector<Place>(const Plan&)> bodies = {};
   /// The inputs are the motion and the output a force, so that a run costs next to nothing.

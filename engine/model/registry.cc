@@ -55,6 +55,7 @@ std::unique_ptr<Component> Registry::MakeComponent(const std::string& kind, cons
     return nullptr;
   }
   context.context = fmt::format("{}.{} \"{}\"", kind, type->string(), context.context);
+  if (kind == "plant") context.motion = MotionOf(table);
   return factory->second(table, context);
 }
 

@@ -34,6 +34,7 @@ struct BuildContext {
   std::int64_t seed = 1;           // of this block's noise
   double nominal = 1.0;            // of the input or output that a stage belongs to
   const Records* records = nullptr;
+  Motion motion = Motion::kRotation;  // in which a plant or law is built: its keys are those of this motion
 };
 
 /// What `list` and `describe` show. `kind` is plant, law, control, source, actuator or sensor.
@@ -75,7 +76,7 @@ class Registry {
       typename P::Params params;
       std::vector<std::string> known = context.known;
       known.emplace_back("type");
-      if (!ReadParams(table, params, context.diagnostics, context.context, std::move(known))) {
+      if (!ReadParams(table, params, context.diagnostics, context.context, std::move(known), context.motion)) {
         if constexpr (requires { P::ReportMore(params, table, context); }) P::ReportMore(params, table, context);
         return nullptr;
       }

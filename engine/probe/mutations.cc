@@ -50,8 +50,8 @@ void AddGrowing(const Effect& effect, const Place& place, const Plan& plan, cons
                 std::vector<Mutation>& all) {
   const EffectInfo& info = effect.info();
   const std::vector<std::size_t> sized = SizedWith(info);
-  const EffectParameter& first = info.parameters[StrengthsOf(info).front()];
-  const double step = start[StrengthsOf(info).front()] - first.neutral;
+  const std::size_t first = StrengthsOf(info).front();
+  const double step = start[first] - info.parameters[first].neutral;
   if (step == 0.0) return;
   for (const int sign : {1, -1}) {
     // Upwards first, whichever way the search of the effect begins.
@@ -67,8 +67,9 @@ void AddGrowing(const Effect& effect, const Place& place, const Plan& plan, cons
       }
       return at;
     };
-    Add(effect, place, {.unit = UnitAt(first, place, plan), .sign = sign, .usual = std::abs(step), .largest = largest},
-        values, all);
+    Add(effect, place,
+        {.unit = effect.UnitAt(first, place, plan), .sign = sign, .usual = std::abs(step), .largest = largest}, values,
+        all);
   }
 }
 
@@ -92,7 +93,7 @@ void AddFalling(const Effect& effect, const Place& place, const Plan& plan, cons
     return at;
   };
   Add(effect, place,
-      {.unit = UnitAt(parameter, place, plan),
+      {.unit = effect.UnitAt(limit, place, plan),
        .usual = to,
        .largest = std::log(parameter.lower / from) / std::log(to / from),
        .falling = true,
@@ -171,7 +172,7 @@ Magnitudes MagnitudesOf(const Rig& rig, const Samples& samples) {
     const double rms = score::RootMeanSquare(values);
     m.output_spread[line.name] = std::sqrt(std::max(0.0, rms * rms - mean * mean));
     if (line.unit == "N m" || line.unit == "N") torque = std::max(torque, rms);
-    if (line.unit == "rad/s") speed = std::max(speed, rms);
+    if (line.unit == "rad/s" || line.unit == "m/s") speed = std::max(speed, rms);
   }
   m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;
   m.speed = speed > 0.0 ? speed : 1.0;

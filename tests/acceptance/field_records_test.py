@@ -10,7 +10,7 @@ import unittest
 
 import numpy as np
 
-from steps import Steps
+from steps import Steps, blocks
 
 Steps.program = os.path.abspath(sys.argv.pop())
 I1, I2, I3, K1, K2, C1, C2 = 2.0, 0.3, 0.5, 4.0e5, 2.5e5, 8.0, 6.0  # of the template
@@ -70,6 +70,27 @@ def held(step_s=1e-3, seconds=0.6, hold=1):
 def csv(rows, names="t,T_airgap,T_shaft,omega_1", stamp="{:.9g}", head=""):
     lines = [stamp.format(row[0]) + "," + ",".join(f"{v:.12g}" for v in row[1:]) for row in rows]
     return head + names + "\n" + "\n".join(lines) + "\n"
+
+
+def cart(force, step_s, mass, viscous, dry):
+    """Position and speed of a mass with dry and viscous friction under a force that is held over steps, from rest. Between two
+    reversals the speed is an exponential; it stops where that is 0, and stays where the force is no more than the friction."""
+    x, v, course = 0.0, 0.0, []
+    for f in force:
+        course.append((x, v))
+        left = step_s
+        while left > 0.0:
+            if v == 0.0 and abs(f) <= dry:
+                break
+            end = (f - dry * np.sign(v if v != 0.0 else f)) / viscous  # the speed that it goes to
+            decay = np.exp(-viscous / mass * left)
+            stops = v * (end + (v - end) * decay) < 0.0
+            t = mass / viscous * np.log((v - end) / -end) if stops else left
+            decay = np.exp(-viscous / mass * t)
+            x += end * t + (v - end) * mass / viscous * (1.0 - decay)
+            v = 0.0 if stops else end + (v - end) * decay
+            left = left - t if stops else 0.0
+    return np.array(course).T
 
 
 class FieldRecords(Steps):
@@ -432,6 +453,29 @@ class FieldRecords(Steps):
             text += f"{1687168800 + t:.6f},{torque / 1e3:.12g},{shaft:.12g},{omega * 30 / np.pi:.12g},D\n"
         record = self.write("bus.csv", text)
         self.exact(record, self.proposed(record))
+
+    # --- bodies that slide
+
+    def test_a_cart_in_newtons_and_millimetres(self):
+        """The example of the page on drive lines, with a friction that nobody told it."""
+        self.write("cart.toml", blocks("engine/plugins/plant/drive_line/README.md", "toml", "Translation")[0])
+        self.shell("dynoproof run cart.toml")
+        force = 6.0 * chirp(np.arange(2000) * 1e-3, 4.0) / 100.0 + 4.0 * np.sin(np.arange(2000) * 0.021)
+        x, _ = cart(force, 1e-3, mass=6.0, viscous=10.0, dry=1.7)
+        noisy = x + 1e-5 * np.random.default_rng(5).standard_normal(len(x))
+        record = self.write("cart.csv", "t [s],F [N],x [mm]\n" + "\n".join(
+            f"{1e-3 * i:.3f},{f:.9g},{1e3 * at:.9g}" for i, (f, at) in enumerate(zip(force, noisy))) + "\n")
+        found = self.document(f"dynoproof diagnose cart.toml --data {record} --out found")
+        self.assertEqual(("effect_found", "coulomb_friction"), (found["verdict"], found["effects"][0]["name"]), found)
+        friction = found["effects"][0]["parameters"]["T_c"]
+        self.assertEqual("N", friction["unit"])
+        self.assertAlmostEqual(friction["value"], 1.7, delta=0.02)
+        self.assertLessEqual(friction["ci95"][0], 1.7)
+        self.assertGreaterEqual(friction["ci95"][1], 1.7)
+        self.assertIn("T_c = ", (self.folder / "found" / "extended.toml").read_text())
+        fitted = self.document(f"dynoproof identify found/extended.toml --data {record} --free plant.load.rail.b_Ns_per_m "
+                               "--set plant.load.rail.b_Ns_per_m=12 --starts 1", None)
+        self.assertAlmostEqual(fitted["parameters"]["plant.load.rail.b_Ns_per_m"]["value"], 10.0, delta=0.1)
 
     # --- what nobody asked for
 

@@ -107,6 +107,15 @@ TEST_F(Suspects, AnOutputWithTheOtherSign) {
   EXPECT_THAT(Said(Record(0.01)), Contains(HasSubstr("T_shaft with the other sign")));
 }
 
+TEST(CauseOfFactor, IsOneThatTheUnitCanHave) {
+  EXPECT_THAT(CauseOfFactor(30.0 / std::numbers::pi, "rad/s").value_or(""), HasSubstr("1/min and rad/s"));
+  EXPECT_THAT(CauseOfFactor(1.0 / 3.6, "m/s").value_or(""), HasSubstr("km/h and m/s"));
+  EXPECT_THAT(CauseOfFactor(60.0, "kg/s").value_or(""), HasSubstr("minutes and seconds"));
+  EXPECT_THAT(CauseOfFactor(1000.0, "N").value_or(""), HasSubstr("kilo or milli"));
+  EXPECT_FALSE(CauseOfFactor(180.0 / std::numbers::pi, "m/s"));
+  EXPECT_FALSE(CauseOfFactor(60.0, "N m"));
+}
+
 TEST_F(Suspects, ARecordOfPureInvention) {
   const Rows sound = rows_;
   for (std::size_t i = 0; i < rows_.t.size(); ++i) {

@@ -27,6 +27,11 @@ std::vector<Place> ShaftsThat(const PlantTraits& plant, const Plan& plan, const 
   return places;
 }
 
+/// What a shaft has under a key of rotation, 0 where nothing is written.
+double NumberIn(const Plan& plan, const Value& shaft, std::string_view key) {
+  return shaft.NumberOr(KeyIn(plan, shaft, key), 0.0);
+}
+
 Value& ShaftAt(Plan& plan, const Place& place) { return plan.root["plant"]["shaft"][place.name]; }
 
 class BacklashOnShaft : public Effect {
@@ -44,14 +49,14 @@ class BacklashOnShaft : public Effect {
     return {{0.03 * twist}, {0.3 * twist}};
   }
   std::vector<Place> Places(const Plan& plan) const override {
-    return ShaftsThat(PlantOf(plan), plan, [](const Value& shaft) {
-      return LawOf(shaft) == "spring_damper" && shaft.NumberOr("stiffness_Nm_per_rad", 0.0) > 0.0;
+    return ShaftsThat(PlantOf(plan), plan, [&plan](const Value& shaft) {
+      return LawOf(shaft) == "spring_damper" && NumberIn(plan, shaft, "stiffness_Nm_per_rad") > 0.0;
     });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = ShaftAt(plan, place);
-    Replace(shaft["law"], Value(shaft.NumberOr("damping_Nms_per_rad", 0.0) > 0.0 ? "phase_plane" : "dead_zone"));
-    shaft["half_gap_rad"] = Value(parameters[0]);
+    Replace(shaft["law"], Value(NumberIn(plan, shaft, "damping_Nms_per_rad") > 0.0 ? "phase_plane" : "dead_zone"));
+    shaft[KeyIn(plan, shaft, "half_gap_rad")] = Value(parameters[0]);
   }
 };
 
@@ -65,10 +70,11 @@ class GapChangeOfShaft : public Effect {
   }
   std::vector<Place> Places(const Plan& plan) const override {
     return ShaftsThat(PlantOf(plan), plan,
-                      [](const Value& shaft) { return shaft.NumberOr("half_gap_rad", 0.0) > 0.0; });
+                      [&plan](const Value& shaft) { return NumberIn(plan, shaft, "half_gap_rad") > 0.0; });
   }
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
-    Value& gap = ShaftAt(plan, place)["half_gap_rad"];
+    Value& shaft = ShaftAt(plan, place);
+    Value& gap = shaft[KeyIn(plan, shaft, "half_gap_rad")];
     Replace(gap, Value(gap.number() * (1.0 + parameters[0])));
   }
   std::string ScaledParameter(const Place& place) const override {
@@ -91,7 +97,7 @@ class ContactFreeDampingOfShaft : public Effect {
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = ShaftAt(plan, place);
     Replace(shaft["law"], Value("damped_" + LawOf(shaft)));
-    shaft["contact_free_damping_Nms_per_rad"] = Value(parameters[0]);
+    shaft[KeyIn(plan, shaft, "contact_free_damping_Nms_per_rad")] = Value(parameters[0]);
   }
 };
 

@@ -16,9 +16,9 @@ std::vector<Place> Couplings(const PlantTraits& plant, const Plan& plan, bool da
     const Value* law = shaft.Find("law");
     if (law == nullptr || !law->is_string() || law->string() != "kelvin_voigt" || shaft.Find("drift") != nullptr)
       continue;
-    const Value* c = shaft.Find("damping_Nms_per_rad");
-    if (damped && (c == nullptr || !c->is_number() || c->number() <= 0.0)) continue;
-    places.push_back({"shaft", name, ""});
+    const Place place{"shaft", name, ""};
+    if (damped && !(NumberOfShaft(plan, place, "damping_Nms_per_rad", 0.0) > 0.0)) continue;
+    places.push_back(place);
   }
   return places;
 }
@@ -38,7 +38,7 @@ class OilDynamicsEffect : public Effect {
   std::vector<Place> Places(const Plan& plan) const override { return Couplings(PlantOf(plan), plan, false); }
   Points Starts(const Plan& plan, const Place& place, const Magnitudes&) const override {
     const double k = StiffnessAt(plan, place);
-    const double c = NumberAt(plan, "plant.shaft." + place.name + ".damping_Nms_per_rad", 500.0);
+    const double c = NumberOfShaft(plan, place, "damping_Nms_per_rad", 500.0);
     Points starts;
     for (const double kappa : {60.0, 200.0, 600.0}) starts.push_back({0.9 * k, kappa, c * kappa});
     return starts;
@@ -47,11 +47,11 @@ class OilDynamicsEffect : public Effect {
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = plan.root["plant"]["shaft"][place.name];
     Replace(shaft["law"], Value("oil_coupling"));
-    Replace(shaft["stiffness_Nm_per_rad"], Value(parameters[0]));
-    shaft.Erase("damping_Nms_per_rad");
+    Replace(shaft[KeyIn(plan, shaft, "stiffness_Nm_per_rad")], Value(parameters[0]));
+    shaft.Erase(KeyIn(plan, shaft, "damping_Nms_per_rad"));
     shaft["k_p_m3"] = Value(1.0);
     shaft["kappa_p_per_s"] = Value(parameters[1]);
-    shaft["kappa_w_Pa_per_rad"] = Value(parameters[2]);
+    shaft[KeyIn(plan, shaft, "kappa_w_Pa_per_rad")] = Value(parameters[2]);
   }
 };
 

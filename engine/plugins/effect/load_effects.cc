@@ -38,7 +38,7 @@ class LoadEffect : public Effect {
     const bool free = FreeName(info_.name, taken) == info_.name;
     const std::string name = free ? info_.name : FreeName(info_.name + "_" + place.name, taken);
     Value load = {{"on", place.name}, {"law", law_}};
-    for (std::size_t i = 0; i < keys_.size(); ++i) load[keys_[i]] = Value(parameters[i]);
+    for (std::size_t i = 0; i < keys_.size(); ++i) load[KeyIn(plan, load, keys_[i])] = Value(parameters[i]);
     plan.root["plant"]["load"][name] = std::move(load);
   }
 

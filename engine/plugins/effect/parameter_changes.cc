@@ -28,7 +28,7 @@ class ParameterChange : public Effect {
     if (!PlantOf(plan).drive_line) return places;
     for (const std::string& kind : kinds_) {
       for (const std::string& name : NamesIn(plan, kind)) {
-        const Value* value = plan.root.FindPath(ScaledParameter({kind, name, ""}));
+        const Value* value = plan.root.FindPath(ScaledIn(plan, {kind, name, ""}));
         if (value != nullptr && value->is_number() && value->number() != 0.0) places.push_back({kind, name, ""});
       }
     }
@@ -36,7 +36,7 @@ class ParameterChange : public Effect {
   }
 
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
-    Value* value = plan.root.FindPath(ScaledParameter(place));
+    Value* value = plan.root.FindPath(ScaledIn(plan, place));
     if (value == nullptr) return;  // not one of Places()
     Replace(*value, Value(value->number() * (1.0 + parameters[0])));
   }

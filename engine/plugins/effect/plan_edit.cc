@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "model/motion.h"
+
 namespace dynoproof::effects {
 namespace {
 
@@ -33,13 +35,24 @@ std::vector<std::string> NamesIn(const Plan& plan, std::string_view section) {
   return table != nullptr ? KeysOf(*table) : std::vector<std::string>();
 }
 
+std::string KeyIn(const Plan& plan, const Value& table, std::string_view key) {
+  const Value* plant = plan.root.Find("plant");
+  return dynoproof::KeyIn(plant != nullptr ? MotionOf(*plant) : Motion::kRotation, table, key);
+}
+
 double NumberAt(const Plan& plan, const std::string& path, double otherwise) {
   const Value* value = plan.root.FindPath(path);
   return value != nullptr && value->is_number() ? value->number() : otherwise;
 }
 
+double NumberOfShaft(const Plan& plan, const Place& shaft, std::string_view key, double otherwise) {
+  const Value* table = plan.root.FindPath("plant.shaft." + shaft.name);
+  const Value* value = table != nullptr ? table->Find(KeyIn(plan, *table, key)) : nullptr;
+  return value != nullptr && value->is_number() ? value->number() : otherwise;
+}
+
 double StiffnessAt(const Plan& plan, const Place& shaft) {
-  return NumberAt(plan, "plant.shaft." + shaft.name + ".stiffness_Nm_per_rad", 0.0);
+  return NumberOfShaft(plan, shaft, "stiffness_Nm_per_rad", 0.0);
 }
 
 double UsualTwist(const Plan& plan, const Place& shaft, const Magnitudes& magnitudes) {

@@ -22,11 +22,15 @@ const Value* Section(const Plan& plan, std::string_view name);
 /// The keys of that section.
 std::vector<std::string> NamesIn(const Plan& plan, std::string_view section);
 
+/// A key of rotation as this plan has it in that table of its plant, whose bodies may slide.
+std::string KeyIn(const Plan& plan, const Value& table, std::string_view key);
 /// The number at a path, `otherwise` where there is none.
 double NumberAt(const Plan& plan, const std::string& path, double otherwise);
-/// The stiffness of a drive line's shaft [N m/rad], 0 where none is written.
+/// What a drive line's shaft has under a key of rotation, `otherwise` where nothing is written.
+double NumberOfShaft(const Plan& plan, const Place& shaft, std::string_view key, double otherwise);
+/// The stiffness of a drive line's shaft [N m/rad, or N/m], 0 where none is written.
 double StiffnessAt(const Plan& plan, const Place& shaft);
-/// The twist of that shaft under the record's torque [rad].
+/// The twist of that shaft under the record's torque [rad, or m].
 double UsualTwist(const Plan& plan, const Place& shaft, const Magnitudes& magnitudes);
 
 /// A list that may stand as a single item without brackets.

@@ -69,7 +69,7 @@ class HysteresisEffect : public Effect {
     info_ = {"actuator_hysteresis",
              "y = y_old limited to u -+ width/2",
              "play between a command and the flap or valve that it moves",
-             {{"width", "1", "total play, in the unit of the input", 0.0, 1e7, 0.0, 1.0}}};
+             {{"width", "1", "total play, in the unit of the input", 0.0, 1e7, 0.0, 1.0, true}}};
   }
 
   // Play that the record does not exceed hides all motion: several sizes, the smallest first.

@@ -102,17 +102,17 @@ std::unique_ptr<Effect> ActuatorGain() {
 }
 
 std::unique_ptr<Effect> ActuatorSaturation() {
-  return Make(
-      "input",
-      {"actuator_saturation",
-       "y = u limited to abs(y) <= limit",
-       "an input is limited",
-       // The start bites on inputs of the drive lines (nominal 1000 N m); a fit should rather begin below the
-       // largest value of the record, as a limit above it changes nothing.
-       {{"limit", "1", "largest magnitude, in the unit of the input", 1e-3, kLargestSignal, kLargestSignal, 500.0}}},
-      "saturation", {"limit"}, [](const std::string& input, const Magnitudes& m) {
-        return Multiples(Magnitudes::Of(m.input_peak, input), {0.5, 0.7, 0.85, 0.95});
-      });
+  return Make("input",
+              {"actuator_saturation",
+               "y = u limited to abs(y) <= limit",
+               "an input is limited",
+               // The start bites on inputs of the drive lines (nominal 1000 N m); a fit should rather begin below the
+               // largest value of the record, as a limit above it changes nothing.
+               {{"limit", "1", "largest magnitude, in the unit of the input", 1e-3, kLargestSignal, kLargestSignal,
+                 500.0, true}}},
+              "saturation", {"limit"}, [](const std::string& input, const Magnitudes& m) {
+                return Multiples(Magnitudes::Of(m.input_peak, input), {0.5, 0.7, 0.85, 0.95});
+              });
 }
 
 std::unique_ptr<Effect> ActuatorDeadZone() {
@@ -120,7 +120,7 @@ std::unique_ptr<Effect> ActuatorDeadZone() {
               {"actuator_dead_zone",
                "y = 0 within +-width/2, shifted outside",
                "an input does nothing near zero",
-               {{"width", "1", "total width, in the unit of the input", 0.0, kLargestSignal, 0.0, 1.0}}},
+               {{"width", "1", "total width, in the unit of the input", 0.0, kLargestSignal, 0.0, 1.0, true}}},
               "dead_zone", {"width"}, [](const std::string& input, const Magnitudes& m) {
                 // A wide one lets only peaks through: from a narrow one no slope leads there.
                 return Multiples(Magnitudes::Of(m.input_rms, input), {0.05, 0.5, 1.5, 5.0});
@@ -147,7 +147,7 @@ std::unique_ptr<Effect> SensorOffset() {
               {"sensor_offset",
                "y = x + o",
                "an output is off by a constant",
-               {{"o", "1", "offset, in the unit of the output", -kLargestSignal, kLargestSignal, 0.0, 0.0}}},
+               {{"o", "1", "offset, in the unit of the output", -kLargestSignal, kLargestSignal, 0.0, 0.0, true}}},
               "offset", {"offset"}, [](const std::string& output, const Magnitudes& m) {
                 return Multiples(Magnitudes::Of(m.output_spread, output), {0.05});
               });
@@ -164,16 +164,16 @@ std::unique_ptr<Effect> SensorLag() {
 }
 
 std::unique_ptr<Effect> SensorDrift() {
-  return Make(
-      "output",
-      {"sensor_drift",
-       "y = x + slope t",
-       "an output drifts away",
-       // The whole range within a second at most.
-       {{"slope", "1/s", "growth, in the unit of the output per second", -kLargestSignal, kLargestSignal, 0.0, 0.0}}},
-      "drift", {"slope_per_s"}, [](const std::string& output, const Magnitudes& m) {
-        return Points{{0.05 * Magnitudes::Of(m.output_spread, output) / m.duration_s}};
-      });
+  return Make("output",
+              {"sensor_drift",
+               "y = x + slope t",
+               "an output drifts away",
+               // The whole range within a second at most.
+               {{"slope", "1/s", "growth, in the unit of the output per second", -kLargestSignal, kLargestSignal, 0.0,
+                 0.0, true}}},
+              "drift", {"slope_per_s"}, [](const std::string& output, const Magnitudes& m) {
+                return Points{{0.05 * Magnitudes::Of(m.output_spread, output) / m.duration_s}};
+              });
 }
 
 std::unique_ptr<Effect> SensorRectified() {

@@ -94,10 +94,12 @@ class DistributedInertiaEffect : public Effect {
     for (const char* section : {"inertia", "run"}) {
       if (plant[section].table().empty()) plant.Erase(section);
     }
-    plant["rotor"][place.name] = Value{{"inertia_kg_m2", parameters[0]},
-                                       {"stiffness_Nm_per_rad", parameters[1]},
-                                       {"damping_Nms_per_rad", parameters[2]},
-                                       {"slices", kSlices}};
+    Value& rotor = plant["rotor"][place.name];
+    for (const auto& [key, value] :
+         {std::pair("inertia_kg_m2", parameters[0]), std::pair("stiffness_Nm_per_rad", parameters[1]),
+          std::pair("damping_Nms_per_rad", parameters[2])})
+      rotor[KeyIn(plan, rotor, key)] = Value(value);
+    rotor["slices"] = Value(kSlices);
     for (Value& end : plant["shaft"][run->leaving_shaft]["between"].array()) {
       if (end.string() == run->right) Replace(end, Value(place.name + ".right"));
     }
@@ -254,11 +256,10 @@ class SeriesElasticityEffect : public Effect {
         if (end.string() == place.name) Replace(end, Value(half));
       }
     }
-    InsertAfter(plant["shaft"], shafts.size() == 1 ? "" : shafts[0], FreeName("series_" + place.name, taken),
-                Value{{"between", Value::Array{place.name, half}},
-                      {"law", "spring_damper"},
-                      {"stiffness_Nm_per_rad", parameters[0]},
-                      {"damping_Nms_per_rad", parameters[1]}});
+    Value joint = {{"between", Value::Array{place.name, half}}, {"law", "spring_damper"}};
+    joint[KeyIn(plan, joint, "stiffness_Nm_per_rad")] = Value(parameters[0]);
+    joint[KeyIn(plan, joint, "damping_Nms_per_rad")] = Value(parameters[1]);
+    InsertAfter(plant["shaft"], shafts.size() == 1 ? "" : shafts[0], FreeName("series_" + place.name, taken), joint);
     // A torque on several bodies is shared in proportion to their inertia: both halves keep the share of the whole. A
     // run of lumps likewise.
     for (const auto& [section, key] : {std::pair("torque", "on"), std::pair("run", "inertias")}) {
@@ -309,10 +310,8 @@ class CubicStiffnessEffect : public Effect {
     if (!PlantOf(plan).drive_line) return places;
     for (const std::string& name : NamesIn(plan, "shaft")) {
       const Value& shaft = *Section(plan, "shaft")->Find(name);
-      const Value* k = shaft.Find("stiffness_Nm_per_rad");
-      if (IsSpringDamper(shaft) && k != nullptr && k->is_number() && k->number() > 0.0) {
-        places.push_back({"shaft", name, ""});
-      }
+      const Place place{"shaft", name, ""};
+      if (IsSpringDamper(shaft) && StiffnessAt(plan, place) > 0.0) places.push_back(place);
     }
     return places;
   }
@@ -320,7 +319,7 @@ class CubicStiffnessEffect : public Effect {
   void Apply(Plan& plan, const Place& place, const std::vector<double>& parameters) const override {
     Value& shaft = plan.root["plant"]["shaft"][place.name];
     Replace(shaft["law"], Value("cubic_spring"));
-    shaft["k3_Nm_per_rad3"] = Value(parameters[0]);
+    shaft[KeyIn(plan, shaft, "k3_Nm_per_rad3")] = Value(parameters[0]);
   }
 };
 

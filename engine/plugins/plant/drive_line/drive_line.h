@@ -1,4 +1,5 @@
-// A drive line: inertias, soft rotors, shafts, loads and torque entries by name (thesis Sec. 2.2, 2.3).
+// A drive line: inertias, soft rotors, shafts, loads and torque entries by name (thesis Sec. 2.2, 2.3), or the same of bodies
+// that slide: masses, springs, forces. The names here are those of rotation; model/motion.h has the others.
 //
 // States: angle of every node but the first relative to the first, angle of the first, speed of every node, then the
 // states of the laws. Twists are differences of relative angles, so a line that turns for hours loses no digits.
@@ -18,6 +19,7 @@
 #include "model/component.h"
 #include "model/law.h"
 #include "model/linear_part.h"
+#include "model/motion.h"
 #include "model/registry.h"
 
 namespace dynoproof {
@@ -51,6 +53,7 @@ class DriveLine : public Component {
     }
   };
   struct Params {
+    std::string motion = "rotation";
     std::vector<std::pair<std::string, Rotor>> rotor;
     std::vector<std::pair<std::string, double>> inertia;
     std::vector<std::pair<std::string, Value>> shaft, load;
@@ -59,6 +62,8 @@ class DriveLine : public Component {
     double nominal_torque_Nm = 1000.0, initial_speed_rad_per_s = 0.0, initial_angle_rad = 0.0;
     int rotor_modes = 0;
     void Visit(auto& v) {
+      v.Optional("motion", motion, std::vector<std::string>{"rotation", "translation"},
+                 "translation: bodies slide; keys, units and ports are those of force and position");
       v.Optional("rotor", rotor, Any(),
                  "soft rotors by name: inertia_kg_m2, stiffness_Nm_per_rad, damping_Nms_per_rad, slices (100)");
       v.Optional("inertia", inertia, Positive("kg m^2"), "lumped inertias by name");

@@ -16,7 +16,7 @@ using mechanics::kGround;
 class DriveLineBuilder {
  public:
   DriveLineBuilder(const DriveLine::Params& params, const Value& table, BuildContext& context)
-      : params_(params), table_(table), context_(context), line_(new DriveLine) {}
+      : params_(params), table_(table), context_(context), motion_(context.motion), line_(new DriveLine) {}
 
   /// Reads every part; without any inertia there is nothing that the others could be joined to.
   void AddAll() {
@@ -75,7 +75,8 @@ class DriveLineBuilder {
     for (const auto& [name, inertia] : params_.inertia) {
       if (bodies_.contains(name)) {
         Fault(Where("inertia", name), fmt::format("\"{}\" is a rotor already", name),
-              fmt::format("its inertia is plant.rotor.{}.inertia_kg_m2; another body needs another name", name));
+              fmt::format("its inertia is plant.rotor.{}.{}; another body needs another name", name,
+                          NameIn(motion_, "inertia_kg_m2")));
         continue;
       }
       bodies_[name] = {line_->linear_.size(), 1};
@@ -126,12 +127,12 @@ class DriveLineBuilder {
       return nullptr;
     }
     known.emplace_back("law");
-    BuildContext context{context_.registry, context_.diagnostics,     name, std::move(known), context_.period_s,
-                         context_.seed,     params_.nominal_torque_Nm};
+    BuildContext context{context_.registry, context_.diagnostics,      name,    std::move(known), context_.period_s,
+                         context_.seed,     params_.nominal_torque_Nm, nullptr, motion_};
     const std::string kind = law != nullptr ? law->string() : fallback;
     std::unique_ptr<Law> made = context_.registry.MakeLaw(kind, table, context);
     if (made == nullptr) return nullptr;
-    const std::string fault = FaultOf(*made);
+    const std::string fault = FaultOf(*made, motion_);
     if (fault.empty()) return made;
     Fault(law != nullptr ? law->where() : table.where(), fmt::format("law \"{}\" of \"{}\" {}", kind, name, fault),
           "mend the law or its parameters");
@@ -140,7 +141,7 @@ class DriveLineBuilder {
 
   /// A sentence that names the fault of a law's torque near rest; empty: there is none. A law that says that it is linear is never asked during a run, so
   /// nobody would see that it gives no number or another torque; one that never gives a number helps nobody.
-  static std::string FaultOf(const Law& law) {
+  static std::string FaultOf(const Law& law, Motion motion) {
     if (law.is_linear() && !law.layout().states.empty()) {
       const std::optional<DriveLine::LinearStates> found = FindLinearStates(law);
       const bool numbers =
@@ -156,7 +157,8 @@ class DriveLineBuilder {
       law.Start(twist, rate, states, modes);
       const double torque = law.Torque({0.0, twist, rate, 0.0, states, modes});
       any_number = any_number || std::isfinite(torque);
-      fault = fmt::format("gives a torque of {} at a twist of {} rad and a rate of {} rad/s", torque, twist, rate);
+      fault = fmt::format("gives a {} of {} at a {} of {} {} and a rate of {} {}", NameIn(motion, "torque"), torque,
+                          NameIn(motion, "twist"), twist, UnitIn(motion, "rad"), rate, UnitIn(motion, "rad/s"));
       if (!law.is_linear()) continue;
       const SpringDamper linear = law.linear();
       const double expected = linear.stiffness * twist + linear.damping * rate;
@@ -197,8 +199,9 @@ class DriveLineBuilder {
     const Value* between = table.Find("between");
     const bool pair = between != nullptr && between->is_array() && between->array().size() == 2 &&
                       between->array()[0].is_string() && between->array()[1].is_string();
-    std::unique_ptr<Law> law =
-        MakeLaw(name, table, {"between", "initial_twist_rad", "initial_twist_rate_rad_per_s"}, "spring_damper");
+    const std::string twist_key = KeyIn(motion_, table, "initial_twist_rad"),
+                      rate_key = KeyIn(motion_, table, "initial_twist_rate_rad_per_s");
+    std::unique_ptr<Law> law = MakeLaw(name, table, {"between", twist_key, rate_key}, "spring_damper");
     if (!pair) {
       Fault(between != nullptr ? between->where() : table.where(),
             fmt::format("shaft \"{}\" does not say what it joins", name), "write between = [\"I1\", \"I2\"]");
@@ -212,8 +215,8 @@ class DriveLineBuilder {
             "name two inertias");
       return;
     }
-    const std::optional<double> twist = InitialValue(name, table, "initial_twist_rad");
-    const std::optional<double> rate = InitialValue(name, table, "initial_twist_rate_rad_per_s");
+    const std::optional<double> twist = InitialValue(name, table, twist_key);
+    const std::optional<double> rate = InitialValue(name, table, rate_key);
     if (!twist || !rate) return;
     initial_twists_.push_back({from, to, *twist, *rate, &table});
     const SpringDamper linear = law->linear();
@@ -227,7 +230,7 @@ class DriveLineBuilder {
     if (std::any_of(params_.shaft.begin(), params_.shaft.end(),
                     [&name](const auto& shaft) { return shaft.first == name; })) {
       Fault(table.where(), fmt::format("\"{}\" is a shaft already", name),
-            "rename one: both would be " + name + ".torque");
+            "rename one: both would be " + name + "." + NameIn(motion_, "torque"));
     }
     const Value* on = table.Find("on");
     std::unique_ptr<Law> law = MakeLaw(name, table, {"on"}, nullptr);
@@ -310,7 +313,8 @@ class DriveLineBuilder {
     double sum = 0.0;
     for (const auto& [node, inertia] : weights) sum += inertia;
     for (auto& [node, weight] : weights) weight *= torque.gain / sum;
-    line_->layout_.inputs.push_back({name, "N m", "torque entry", params_.nominal_torque_Nm});
+    line_->layout_.inputs.push_back(
+        {name, UnitIn(motion_, "N m"), NameIn(motion_, "torque") + " entry", params_.nominal_torque_Nm});
     line_->inputs_.push_back(std::move(weights));
   }
 
@@ -349,7 +353,8 @@ class DriveLineBuilder {
     for (const mechanics::Node& node : nodes) {
       if (1.0 / node.inertia <= kMost) continue;
       Fault(place(node.name),
-            fmt::format("\"{}\" has an inertia of {} kg m^2, too small to compute with", node.name, node.inertia),
+            fmt::format("\"{}\" has an inertia of {} {}, too small to compute with", node.name, node.inertia,
+                        UnitIn(motion_, "kg m^2")),
             "is the unit right?");
       return;
     }
@@ -361,8 +366,9 @@ class DriveLineBuilder {
                        damped = std::abs(edge.damping) / nodes[end].inertia;
           if (stiff <= kMost && damped <= kMost) continue;
           Fault(place(edge.name),
-                fmt::format("\"{}\" has a {} too large to compute with beside the inertia of \"{}\", {} kg m^2",
-                            edge.name, damped <= kMost ? "stiffness" : "damping", nodes[end].name, nodes[end].inertia),
+                fmt::format("\"{}\" has a {} too large to compute with beside the inertia of \"{}\", {} {}", edge.name,
+                            damped <= kMost ? "stiffness" : "damping", nodes[end].name, nodes[end].inertia,
+                            UnitIn(motion_, "kg m^2")),
                 "are the units right?");
           return;
         }
@@ -371,12 +377,13 @@ class DriveLineBuilder {
   }
 
   /// What a shaft starts with, 0 where nothing is written; none, with a diagnostic, for what is no finite number.
-  std::optional<double> InitialValue(const std::string& shaft, const Value& table, const char* key) {
+  std::optional<double> InitialValue(const std::string& shaft, const Value& table, const std::string& key) {
     const Value* value = table.Find(key);
     if (value == nullptr) return 0.0;
     if (value->is_number() && std::isfinite(value->number())) return value->number();
     Fault(value->where(), fmt::format("{} of shaft \"{}\" is no finite number", key, shaft),
-          "the twist at t = 0 in rad, its rate in rad/s");
+          fmt::format("the {} at t = 0 in {}, its rate in {}", NameIn(motion_, "twist"), UnitIn(motion_, "rad"),
+                      UnitIn(motion_, "rad/s")));
     return std::nullopt;
   }
 
@@ -413,10 +420,14 @@ class DriveLineBuilder {
       // A difference of values is no more exact than these.
       const double size = std::abs(seen) + std::abs(one.*difference) + 1e-3 * std::abs(values[one.from]);
       if (one.table == nullptr || std::abs(seen - one.*difference) <= 1e-9 * size) continue;
-      Fault(one.table->where(), fmt::format("{} does not fit the other shafts of the circle", key),
+      Fault(one.table->where(), fmt::format("{} does not fit the other shafts of the circle", NameIn(motion_, key)),
             "they add up to zero around a circle");
     }
     return values;
+  }
+
+  void AddState(const std::string& node, const char* name, const char* unit, const std::string& what, double nominal) {
+    line_->layout_.states.push_back({node + "." + NameIn(motion_, name), UnitIn(motion_, unit), what, nominal});
   }
 
   void AddStates() {
@@ -432,13 +443,12 @@ class DriveLineBuilder {
     const auto twist = [&](int i) { return params_.nominal_torque_Nm / (stiffness[i] > 0.0 ? stiffness[i] : 1e4); };
     const int n = line_->linear_.size();
     for (int i = 1; i < n; ++i) {
-      layout.states.push_back(
-          {nodes[i].name + ".relative_angle", "rad", "angle relative to " + nodes[0].name, twist(i)});
+      AddState(nodes[i].name, "relative_angle", "rad", "relative to " + nodes[0].name, twist(i));
     }
-    layout.states.push_back({nodes[0].name + ".angle", "rad", "absolute angle", twist(0)});
+    AddState(nodes[0].name, "angle", "rad", "absolute", twist(0));
     for (int i = 0; i < n; ++i) {
       const double frequency = std::sqrt((stiffness[i] > 0.0 ? stiffness[i] : 1e4) / nodes[i].inertia);
-      layout.states.push_back({nodes[i].name + ".speed", "rad/s", "speed", twist(i) * frequency});
+      AddState(nodes[i].name, "speed", "rad/s", "speed", twist(i) * frequency);
     }
     std::stable_sort(line_->elements_.begin(), line_->elements_.end(), [](const auto& a, const auto& b) {
       const auto rank = [](const DriveLine::Element& one) { return one.linear_states ? 0 : one.law->sticks() ? 2 : 1; };
@@ -450,7 +460,8 @@ class DriveLineBuilder {
       element.guard = layout.guards;
       for (const Port& state : element.law->layout().states) {
         layout.states.push_back(state);
-        layout.states.back().name = element.name + "." + state.name;
+        layout.states.back().name = element.name + "." + NameIn(motion_, state.name);
+        layout.states.back().unit = UnitIn(motion_, state.unit);
       }
       for (int i = 0; i < element.law->layout().modes; ++i)
         layout.mode_names.push_back(fmt::format("{}.{}", element.name, i));
@@ -459,16 +470,23 @@ class DriveLineBuilder {
     }
   }
 
-  void AddOutput(const std::string& name, OutputTerm::Kind kind, const std::vector<int>& indices, int element = -1) {
-    static const std::map<OutputTerm::Kind, std::pair<const char*, double>> units = {
-        {OutputTerm::Kind::kTorque, {"N m", 1.0}},
-        {OutputTerm::Kind::kTwist, {"rad", 1e-4}},
-        {OutputTerm::Kind::kRate, {"rad/s", 1.0}},
-        {OutputTerm::Kind::kAngle, {"rad", 1.0}},
-        {OutputTerm::Kind::kSpeed, {"rad/s", 1.0}}};
-    const auto& [unit, nominal] = units.at(kind);
+  /// An output of a part, all of one kind.
+  void AddOutput(const std::string& part, OutputTerm::Kind kind, const std::vector<int>& indices, int element = -1) {
+    struct Quantity {
+      const char *name, *unit;
+      double nominal;
+    };
+    static const std::map<OutputTerm::Kind, Quantity> quantities = {
+        {OutputTerm::Kind::kTorque, {"torque", "N m", 1.0}},
+        {OutputTerm::Kind::kTwist, {"twist", "rad", 1e-4}},
+        {OutputTerm::Kind::kRate, {"rate", "rad/s", 1.0}},
+        {OutputTerm::Kind::kAngle, {"angle", "rad", 1.0}},
+        {OutputTerm::Kind::kSpeed, {"speed", "rad/s", 1.0}}};
+    const Quantity& quantity = quantities.at(kind);
+    const std::string name = part + "." + NameIn(motion_, quantity.name);
     const bool torque = kind == OutputTerm::Kind::kTorque;
-    line_->layout_.outputs.push_back({name, unit, name, torque ? params_.nominal_torque_Nm : nominal});
+    line_->layout_.outputs.push_back(
+        {name, UnitIn(motion_, quantity.unit), name, torque ? params_.nominal_torque_Nm : quantity.nominal});
     DriveLine::Reading reading{{}, element};
     for (const int index : indices) reading.terms.push_back({kind, index});
     line_->readings_.push_back(std::move(reading));
@@ -480,10 +498,10 @@ class DriveLineBuilder {
       const auto it = std::find_if(elements.begin(), elements.end(),
                                    [&named](const DriveLine::Element& element) { return element.name == named.name; });
       const int element = named.linear ? -1 : static_cast<int>(it - elements.begin());
-      AddOutput(named.name + ".torque", OutputTerm::Kind::kTorque, named.edges, element);
+      AddOutput(named.name, OutputTerm::Kind::kTorque, named.edges, element);
       if (!named.shaft) continue;
-      AddOutput(named.name + ".twist", OutputTerm::Kind::kTwist, named.edges);
-      AddOutput(named.name + ".rate", OutputTerm::Kind::kRate, named.edges);
+      AddOutput(named.name, OutputTerm::Kind::kTwist, named.edges);
+      AddOutput(named.name, OutputTerm::Kind::kRate, named.edges);
     }
     for (const auto& [name, body] : bodies_) {
       const auto ends = body.count == 1
@@ -491,8 +509,8 @@ class DriveLineBuilder {
                             : std::vector<std::pair<std::string, int>>{{name + ".left", body.first},
                                                                        {name + ".right", body.first + body.count - 1}};
       for (const auto& [end, node] : ends) {
-        AddOutput(end + ".speed", OutputTerm::Kind::kSpeed, {node});
-        AddOutput(end + ".angle", OutputTerm::Kind::kAngle, {node});
+        AddOutput(end, OutputTerm::Kind::kSpeed, {node});
+        AddOutput(end, OutputTerm::Kind::kAngle, {node});
       }
     }
   }
@@ -506,6 +524,7 @@ class DriveLineBuilder {
   const DriveLine::Params& params_;
   const Value& table_;
   BuildContext& context_;
+  Motion motion_;
   std::unique_ptr<DriveLine> line_;
   std::map<std::string, Body> bodies_;
   std::vector<NamedEdges> named_edges_;

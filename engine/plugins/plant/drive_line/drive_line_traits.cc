@@ -25,7 +25,8 @@ bool ShowsAngle(const Plan& plan) {
   if (outputs == nullptr || !outputs->is_table()) return false;
   return std::ranges::any_of(outputs->table(), [](const Value::Entry& entry) {
     const Value* of = entry.value.Find("of");
-    return of != nullptr && of->is_string() && of->string().ends_with(".angle");
+    return of != nullptr && of->is_string() &&
+           (of->string().ends_with(".angle") || of->string().ends_with(".position"));
   });
 }
 
@@ -37,28 +38,37 @@ std::optional<double> NumberAt(const Plan& plan, const std::string& path) {
 }
 
 std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
-  const double torque = NumberAt(plan, "plant.nominal_torque_Nm").value_or(kStartTorque_Nm);
-  std::vector<NuisanceParameter> nuisances = {
-      {"plant.initial_speed_rad_per_s", false, kStartSpeed_rad_per_s, "a record may start while the line turns", true}};
+  const Value* plant = plan.root.Find("plant");
+  if (plant == nullptr) return {};
+  const Motion motion = MotionOf(*plant);
+  // The path of a key of rotation in the table that is at `path`, or would be.
+  const auto key = [&](const std::string& path, std::string_view name) {
+    static const Value none;
+    const Value* table = plan.root.FindPath(path);
+    return path + "." + KeyIn(motion, table != nullptr ? *table : none, name);
+  };
+  const double torque = NumberAt(plan, key("plant", "nominal_torque_Nm")).value_or(kStartTorque_Nm);
+  std::vector<NuisanceParameter> nuisances = {{key("plant", "initial_speed_rad_per_s"), false, kStartSpeed_rad_per_s,
+                                               "a record may start while the line turns", true}};
   if (ShowsAngle(plan)) {
-    nuisances.push_back({"plant.initial_angle_rad", false, kStartAngle_rad,
+    nuisances.push_back({key("plant", "initial_angle_rad"), false, kStartAngle_rad,
                          "a record may start at any angle of the encoder", true, true});
   }
   for (const std::string& name : NamesIn(plan, "plant.inertia"))
     nuisances.push_back({"plant.inertia." + name, true, kInertiaSpread, "a drawing's mass and geometry"});
   for (const char* section : {"plant.rotor", "plant.shaft"}) {
     for (const std::string& name : NamesIn(plan, section)) {
-      const std::string path = fmt::format("{}.{}.", section, name);
-      nuisances.push_back({path + "inertia_kg_m2", true, kInertiaSpread, "a drawing's mass and geometry"});
-      nuisances.push_back({path + "stiffness_Nm_per_rad", true, kStiffnessSpread, "a drawing's geometry"});
-      nuisances.push_back({path + "damping_Nms_per_rad", true, kDampingSpread, "nobody calculates dampings"});
-      nuisances.push_back({path + "half_gap_rad", true, kGapSpread, "a gap that was measured"});
-      const std::optional<double> stiffness = NumberAt(plan, path + "stiffness_Nm_per_rad");
+      const std::string path = fmt::format("{}.{}", section, name);
+      nuisances.push_back({key(path, "inertia_kg_m2"), true, kInertiaSpread, "a drawing's mass and geometry"});
+      nuisances.push_back({key(path, "stiffness_Nm_per_rad"), true, kStiffnessSpread, "a drawing's geometry"});
+      nuisances.push_back({key(path, "damping_Nms_per_rad"), true, kDampingSpread, "nobody calculates dampings"});
+      nuisances.push_back({key(path, "half_gap_rad"), true, kGapSpread, "a gap that was measured"});
+      const std::optional<double> stiffness = NumberAt(plan, key(path, "stiffness_Nm_per_rad"));
       if (!stiffness) continue;
       if (std::string_view(section) != "plant.shaft") continue;
-      nuisances.push_back({path + "initial_twist_rad", false, torque / *stiffness,
+      nuisances.push_back({key(path, "initial_twist_rad"), false, torque / *stiffness,
                            "a record may start while the line is wound up", true});
-      nuisances.push_back({path + "initial_twist_rate_rad_per_s", false, kStartSpeed_rad_per_s,
+      nuisances.push_back({key(path, "initial_twist_rate_rad_per_s"), false, kStartSpeed_rad_per_s,
                            "a record may start while the line swings", true, true});
     }
   }

@@ -33,6 +33,7 @@ PlantTraits MovedBody::Traits() {
     return std::vector<Place>{{"inertia", body != nullptr && body->is_string() ? body->string() : "body", ""}};
   };
   traits.prescribed_motion = true;
+  traits.slides = true;
   return traits;
 }
 
@@ -65,8 +66,8 @@ std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&,
             "add law = \"viscous\", \"coulomb\", ...");
       continue;
     }
-    BuildContext own{context.registry, context.diagnostics,   name, {"on", "law"}, context.period_s,
-                     context.seed,     params.nominal_force_N};
+    BuildContext own{context.registry, context.diagnostics,    name,    {"on", "law"},       context.period_s,
+                     context.seed,     params.nominal_force_N, nullptr, Motion::kTranslation};
     std::unique_ptr<Law> made = context.registry.MakeLaw(law->string(), table, own);
     if (made == nullptr) continue;
     if (made->layout().modes > 0 && !made->sticks()) {
@@ -75,7 +76,8 @@ std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&,
       continue;
     }
     for (Port state : made->layout().states) {
-      state.name = name + "." + state.name;
+      state.name = name + "." + NameIn(Motion::kTranslation, state.name);
+      state.unit = UnitIn(Motion::kTranslation, state.unit);
       layout.states.push_back(std::move(state));
     }
     plant->loads_.push_back({std::move(made), layout.states.size()});

@@ -14,6 +14,7 @@
 
 #include "model/component.h"
 #include "model/law.h"
+#include "model/motion.h"
 #include "model/registry.h"
 
 namespace dynoproof {
