@@ -15,6 +15,7 @@
 #include "experiment/golden.h"
 #include "experiment/prepare.h"
 #include "experiment/run_scenario.h"
+#include "reports/compare_page.h"
 #include "reports/run_report.h"
 #include "scenario/find.h"
 #include "scenario/load.h"
@@ -32,7 +33,9 @@ std::string ToleranceFileOf(const std::string& trace_file) {
   return read.ok() && IsGoldenPair(*read, trace_file) ? file : "";
 }
 
-int Compare(const Common& common, const std::string& a, const std::string& b, const std::string& given) {
+int Compare(const Common& common, const std::string& a, const std::string& b, const std::string& given,
+            const std::string& html) {
+  if (!CanWrite({html, common.json})) return kBroken;
   Diagnostics diagnostics;
   GoldenTolerances tolerances;
   const std::string own = given.empty() ? ToleranceFileOf(a) : "", tolerance_file = given.empty() ? own : given;
@@ -72,7 +75,9 @@ int Compare(const Common& common, const std::string& a, const std::string& b, co
   Print(common, reports::ToCards(results, {{b, again}}, colour));
   const int exit = reports::ExitCode(results);
   KeepJson(reports::ToJson(results));
-  return exit;
+  if (html.empty()) return exit;
+  const int written = WriteHtml(html, reports::ComparePage(a, b, *left, *right, result));
+  return written == kGood ? exit : written;
 }
 
 /// The standard output of a git command in a folder, or nothing when it failed.
@@ -237,7 +242,7 @@ int Bless(const BlessArguments& arguments) {
 void AddCompare(Command program) {
   struct Arguments {
     Common common;
-    std::string a, b, tolerance;
+    std::string a, b, tolerance, html;
   };
   auto arguments = std::make_shared<Arguments>();
   Command command = program.Subcommand("compare", "two traces, signal by signal");
@@ -246,9 +251,14 @@ void AddCompare(Command program) {
   command.Value("--tolerance", arguments->tolerance,
                 "TOML with [signal.NAME] relative_width, time_half_width_s, origin (default: that of a golden "
                 "A beside it)");
+  command.Value("--html", arguments->html, "write the page: both traces, and where they part").NamesFile();
   AddCommon(command, arguments->common);
-  command.Examples("  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5");
-  command.Runs([arguments] { return Compare(arguments->common, arguments->a, arguments->b, arguments->tolerance); });
+  command.Examples(
+      "  dynoproof compare golden/r2r/soft_rotor_setup_1.h5 out/r2r/soft_rotor_setup_1.h5\n"
+      "  dynoproof compare before.h5 after.h5 --html out/compare.html");
+  command.Runs([arguments] {
+    return Compare(arguments->common, arguments->a, arguments->b, arguments->tolerance, arguments->html);
+  });
 }
 
 void AddBless(Command program) {

@@ -9,33 +9,12 @@
 #include "app/one_scenario.h"
 #include "experiment/analysis.h"
 #include "experiment/prepare.h"
+#include "reports/modes_page.h"
 #include "reports/run_report.h"
 #include "scenario/load.h"
 
 namespace dynoproof::app {
 namespace {
-
-/// "I1[37]" and "I1(4)" belong to the element "I1".
-std::string ElementOf(const std::string& name) { return name.substr(0, name.find_first_of("[(")); }
-
-/// Energy by element of the user's model: slices of a rotor are summed up.
-std::vector<std::pair<std::string, double>> EnergyByElement(const mechanics::Network& network,
-                                                            const mechanics::Mode& mode) {
-  std::vector<std::pair<std::string, double>> shares;
-  const auto add = [&shares](const std::string& element, double share) {
-    const auto it = std::find_if(shares.begin(), shares.end(), [&](const auto& one) { return one.first == element; });
-    if (it == shares.end()) {
-      shares.emplace_back(element, share);
-    } else {
-      it->second += share;
-    }
-  };
-  for (int i = 0; i < network.size(); ++i) add(ElementOf(network.nodes[i].name), mode.kinetic[i]);
-  for (std::size_t e = 0; e < network.edges.size(); ++e) {
-    add(ElementOf(network.edges[e].name), mode.strain[static_cast<Eigen::Index>(e)]);
-  }
-  return shares;
-}
 
 nlohmann::json ToJson(const std::string& id, const LinearAnalysis& analysis) {
   nlohmann::json document = {{"id", id},
@@ -102,7 +81,9 @@ std::string ToText(const LinearAnalysis& analysis, const AnalysisSettings& setti
   return text;
 }
 
-int Run(const Common& common, const std::string& name, const std::vector<std::string>& overrides) {
+int Run(const Common& common, const std::string& name, const std::vector<std::string>& overrides,
+        const std::string& html) {
+  if (!CanWrite({html, common.json})) return kBroken;
   Diagnostics diagnostics;
   const std::unique_ptr<Registry> registry = MakeRegistry(common, diagnostics);
   const std::optional<std::string> file = OneScenario(name, diagnostics);
@@ -124,7 +105,7 @@ int Run(const Common& common, const std::string& name, const std::vector<std::st
   }
   Print(common, fmt::format("{}\n\n", prepared->plan.id) + ToText(*analysis, *settings));
   KeepJson(ToJson(prepared->plan.id, *analysis));
-  return kGood;
+  return html.empty() ? kGood : WriteHtml(html, reports::ModesPage(*prepared, *settings, *analysis));
 }
 
 }  // namespace
@@ -132,18 +113,19 @@ int Run(const Common& common, const std::string& name, const std::vector<std::st
 void AddModes(Command program) {
   struct Arguments {
     Common common;
-    std::string name;
+    std::string name, html;
     std::vector<std::string> overrides;
   };
   auto arguments = std::make_shared<Arguments>();
   Command command = program.Subcommand("modes", "eigenfrequencies, damping, energies, practical resonances, zeros");
   command.Value("scenario", arguments->name, "id or file").Required();
   command.Value("--set", arguments->overrides, "KEY=VALUE: override any key by its dotted path").OneWord();
+  command.Value("--html", arguments->html, "write the page: response, shapes, energies, poles and zeros").NamesFile();
   AddCommon(command, arguments->common);
   command.Examples(
-      "  dynoproof modes r2r/soft_rotor_setup_1\n"
+      "  dynoproof modes r2r/soft_rotor_setup_1 --html out/modes.html\n"
       "  dynoproof modes heavy_duty/alternative_setup_1 --set plant.inertia.I5=0.33 --json -");
-  command.Runs([arguments] { return Run(arguments->common, arguments->name, arguments->overrides); });
+  command.Runs([arguments] { return Run(arguments->common, arguments->name, arguments->overrides, arguments->html); });
 }
 
 }  // namespace dynoproof::app

@@ -103,6 +103,26 @@ std::vector<std::string> OpenShafts(const mechanics::Network& network) {
 
 }  // namespace
 
+std::string ElementOf(const std::string& name) { return name.substr(0, name.find_first_of("[(")); }
+
+std::vector<std::pair<std::string, double>> EnergyByElement(const mechanics::Network& network,
+                                                            const mechanics::Mode& mode) {
+  std::vector<std::pair<std::string, double>> shares;
+  const auto add = [&shares](const std::string& element, double share) {
+    const auto it = std::find_if(shares.begin(), shares.end(), [&](const auto& one) { return one.first == element; });
+    if (it == shares.end()) {
+      shares.emplace_back(element, share);
+    } else {
+      it->second += share;
+    }
+  };
+  for (int i = 0; i < network.size(); ++i) add(ElementOf(network.nodes[i].name), mode.kinetic[i]);
+  for (std::size_t e = 0; e < network.edges.size(); ++e) {
+    add(ElementOf(network.edges[e].name), mode.strain[static_cast<Eigen::Index>(e)]);
+  }
+  return shares;
+}
+
 Result<LinearAnalysis> Analyse(const Rig& rig, const AnalysisSettings& settings) {
   const Result<mechanics::TransferFunction> transfer = TransferOf(rig, settings);
   if (!transfer.ok()) return transfer.failure();

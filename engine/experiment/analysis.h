@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/status.h"
@@ -38,6 +39,12 @@ struct LinearAnalysis {
   std::string no_zeros = {};       // which this says then
   std::vector<std::string> notes;  // what the linearised line leaves out
 };
+
+/// "I1[37]" and "I1(4)" belong to the part "I1" of the user's model.
+std::string ElementOf(const std::string& name);
+/// A mode's energy by part: slices of a rotor are summed up. Shares, together 1.
+std::vector<std::pair<std::string, double>> EnergyByElement(const mechanics::Network& network,
+                                                            const mechanics::Mode& mode);
 
 /// The transfer function from the input to the output; fails (exit code 2) when the plant is no drive line, or the
 /// output no single torque, speed or angle.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <set>
 
 #include "experiment/golden.h"
@@ -108,10 +109,11 @@ std::vector<Picture> CloseUp(const std::string& title, const score::Evidence& ju
 /// The caption of the close-up of a failed comparison.
 std::string Parting(const score::Check& check) {
   const score::Evidence& judged = *check.evidence;
-  const std::string text = IsOfGolden(check)
-                               ? judged.signal + " leaves the tube around the golden trace"
-                               : fmt::format("{}: run and {} part", judged.signal,
-                                             judged.test_name == "run" ? judged.reference_name : judged.test_name);
+  const std::string text =
+      IsOfGolden(check) ? judged.signal + " leaves the tube around the golden trace"
+      : judged.reference_name == "run"
+          ? fmt::format("{}: run and {} part", judged.signal, judged.test_name)
+          : fmt::format("{}: {} and {} part", judged.signal, judged.test_name, judged.reference_name);
   return check.cause.empty() ? text : text + ": " + check.cause;
 }
 
@@ -205,7 +207,10 @@ void AddCourses(const Prepared& prepared, const Course& course, std::span<const 
   std::move(inputs.begin(), inputs.end(), std::back_inserter(pictures.pictures));
 }
 
-void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPictures& pictures) {
+namespace {
+
+/// Where two courses part, close up, and all distances over their limits.
+void AddDistances(std::span<const score::Check> checks, RunPictures& pictures) {
   Picture distances{.key = "distances",
                     .title = "Distances over their limits",
                     .note =
@@ -217,8 +222,7 @@ void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPic
   distances.marks.push_back({1.0, "limit", true});
   std::vector<Picture> close_ups;
   for (const score::Check& check : checks) {
-    // Hull curves, which the golden trace holds besides, follow from the signal they belong to.
-    if (check.evidence == nullptr || FindOutput(rig, check.evidence->signal) < 0) continue;
+    if (check.evidence == nullptr) continue;
     const score::Evidence& judged = *check.evidence;
     Curve distance = Envelope(check.stated + " " + judged.signal, judged.time_s, judged.distance);
     // A run that is its golden trace to the last bit has nothing to draw.
@@ -230,6 +234,52 @@ void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPic
   pictures.pictures.insert(pictures.pictures.begin(), std::make_move_iterator(close_ups.begin()),
                            std::make_move_iterator(close_ups.end()));
   if (!distances.curves.empty()) pictures.pictures.push_back(std::move(distances));
+}
+
+}  // namespace
+
+void AddComparisons(const Rig& rig, std::span<const score::Check> checks, RunPictures& pictures) {
+  std::vector<score::Check> of_outputs;
+  // Hull curves, which the golden trace holds besides, follow from the signal they belong to.
+  std::ranges::copy_if(checks, std::back_inserter(of_outputs), [&rig](const score::Check& check) {
+    return check.evidence != nullptr && FindOutput(rig, check.evidence->signal) >= 0;
+  });
+  AddDistances(of_outputs, pictures);
+}
+
+RunPictures PicturesOfTraces(const trace::Trace& reference, const trace::Trace& test,
+                             std::span<const score::Check> checks) {
+  RunPictures pictures;
+  for (const trace::Signal& wanted : reference.signals) {
+    const trace::Signal* seen = test.Find(wanted.name);
+    if (seen == nullptr) continue;
+    if (IsConstant(wanted.values) && IsConstant(seen->values) && wanted.values.front() == seen->values.front()) {
+      pictures.constant.push_back(Constant(wanted.name, wanted.values.front(), wanted.unit));
+      continue;
+    }
+    Picture picture{.key = "time:" + wanted.name,
+                    .title = Titled(wanted.name, wanted.description),
+                    .x = {"time", "s"},
+                    .y = {wanted.name, wanted.unit}};
+    picture.course = true;
+    picture.curves = {{"B", ToVector(test.TimeOf(*seen)), seen->values, StyleOf(*seen)},
+                      {"A, the reference", ToVector(reference.TimeOf(wanted)), wanted.values, Curve::Style::kDashed}};
+    pictures.pictures.push_back(std::move(picture));
+  }
+  std::ranges::stable_partition(pictures.pictures, [&checks](const Picture& picture) {
+    return std::ranges::any_of(checks, [&picture](const score::Check& check) {
+      return check.verdict != score::Verdict::kPass && check.evidence && check.evidence->signal == picture.y.label;
+    });
+  });
+  std::vector<score::Check> named(checks.begin(), checks.end());
+  for (score::Check& check : named) {
+    if (check.evidence == nullptr) continue;
+    auto evidence = std::make_shared<score::Evidence>(*check.evidence);
+    evidence->reference_name = "A", evidence->test_name = "B";
+    check.evidence = std::move(evidence);
+  }
+  AddDistances(named, pictures);
+  return pictures;
 }
 
 void AddTiming(const Course& course, RunPictures& pictures) {

@@ -62,6 +62,11 @@ RunPictures PicturesOf(const Prepared& prepared, const Course& course, std::span
 /// The pictures of a scenario without its checks: the run, made anew.
 Result<RunPictures> PicturesOf(const Prepared& prepared, const Progress& progress = {});
 
+/// Two traces one over the other, those that part first; where they part close up, and their distances over the limits of the
+/// checks that compared them.
+RunPictures PicturesOfTraces(const trace::Trace& reference, const trace::Trace& test,
+                             std::span<const score::Check> checks);
+
 /// Draws what a layer above adds to the pictures of every run where it applies; drawn before the timing, in the order
 /// of these calls. One that is known already is not added again.
 using PictureMaker = void (*)(const Prepared& prepared, const Course& course, RunPictures& pictures);

@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 #include "experiment/analysis.h"
 #include "score/response.h"
@@ -72,8 +75,8 @@ void AddHull(const Course& course, const AnalysisSettings& settings, const Sweep
   pictures.pictures.push_back(std::move(picture));
 }
 
-/// Amplitude and phase of the plant from the analysed input to its output; of a chirp the run's beside them.
-void AddBode(const Prepared& prepared, const Course& course, const AnalysisSettings& settings,
+/// Amplitude and phase of the plant from the analysed input to its output; of a chirp the run's beside them, where there is one.
+void AddBode(const Prepared& prepared, const Course* course, const AnalysisSettings& settings,
              const mechanics::TransferFunction& transfer, const std::vector<mechanics::Resonance>& resonances,
              RunPictures& pictures) {
   const Rig& rig = *prepared.rig;
@@ -103,9 +106,9 @@ void AddBode(const Prepared& prepared, const Course& course, const AnalysisSetti
     angle.y.push_back(degrees);
     last = degrees;
   }
-  if (sweep) {
-    const trace::Signal *u = course.trace.Find(settings.input), *y = course.trace.Find(settings.output);
-    const score::Response seen = score::EstimateResponse(course.trace.time, u->values, y->values,
+  if (sweep && course != nullptr) {
+    const trace::Signal *u = course->trace.Find(settings.input), *y = course->trace.Find(settings.output);
+    const score::Response seen = score::EstimateResponse(course->trace.time, u->values, y->values,
                                                          {.from_hz = std::max(0.0, settings.from_Hz), .to_hz = to});
     if (seen.ok()) {
       amplitude.title = "Amplitude response, chirp run and model, " + ratio;
@@ -153,6 +156,78 @@ void AddPoles(const LinearAnalysis& analysis, double to_Hz, RunPictures& picture
   pictures.pictures.push_back(std::move(picture));
 }
 
+/// The nodes as one walks along the shafts, branch by branch, from the first end of a line on.
+std::vector<int> WalkOf(const mechanics::Network& network) {
+  std::vector<std::vector<int>> neighbours(network.nodes.size());
+  for (const mechanics::Edge& edge : network.edges) {
+    if (edge.to == mechanics::kGround) continue;
+    neighbours[static_cast<std::size_t>(edge.from)].push_back(edge.to);
+    neighbours[static_cast<std::size_t>(edge.to)].push_back(edge.from);
+  }
+  std::vector<int> walk, ahead, starts(network.nodes.size());
+  std::iota(starts.begin(), starts.end(), 0);
+  std::ranges::stable_partition(starts,
+                                [&](int node) { return neighbours[static_cast<std::size_t>(node)].size() < 2; });
+  std::vector<char> seen(network.nodes.size());
+  for (const int start : starts) {
+    ahead.push_back(start);
+    while (!ahead.empty()) {
+      const int node = ahead.back();
+      ahead.pop_back();
+      if (std::exchange(seen[static_cast<std::size_t>(node)], 1) != 0) continue;
+      walk.push_back(node);
+      const std::vector<int>& next = neighbours[static_cast<std::size_t>(node)];
+      ahead.insert(ahead.end(), next.rbegin(), next.rend());
+    }
+  }
+  return walk;
+}
+
+bool AreJoined(const mechanics::Network& network, int a, int b) {
+  return std::ranges::any_of(network.edges, [&](const mechanics::Edge& edge) {
+    return (edge.from == a && edge.to == b) || (edge.from == b && edge.to == a);
+  });
+}
+
+/// The shapes of the modes that swing below `to_Hz`, the lowest at first.
+void AddShapes(const LinearAnalysis& analysis, double to_Hz, RunPictures& pictures) {
+  constexpr std::size_t kShown = 4, kMost = 12;
+  const mechanics::Network& network = *analysis.network;
+  Picture picture{.key = "shapes",
+                  .title = "Shapes of the modes along the line",
+                  .note = "the largest swing of each is 1; a gap is where a branch begins",
+                  .x = {"mass along the line", ""},
+                  .y = {"swing", "1"}};
+  std::vector<int> nodes;  // in the order of the axis; -1: a gap
+  for (const int node : WalkOf(network)) {
+    if (!nodes.empty() && !AreJoined(network, nodes.back(), node)) {
+      const auto joint =
+          std::ranges::find_if(nodes, [&](int one) { return one >= 0 && AreJoined(network, one, node); });
+      const int again = joint != nodes.end() ? *joint : -1;
+      nodes.push_back(-1);
+      if (again >= 0) nodes.push_back(again);  // a branch is drawn from the joint on that it begins at
+    }
+    nodes.push_back(node);
+  }
+  std::vector<double> places(nodes.size());
+  std::iota(places.begin(), places.end(), 1.0);
+  std::string part;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::string own = nodes[i] < 0 ? "" : ElementOf(network.nodes[static_cast<std::size_t>(nodes[i])].name);
+    if (own != part && !own.empty()) picture.marks.push_back({places[i], own});
+    part = own;
+  }
+  for (const mechanics::Mode& mode : analysis.modal.modes) {
+    if (mode.frequency_hz == 0.0 || mode.frequency_hz > to_Hz || picture.curves.size() == kMost) continue;
+    Curve curve{fmt::format("{:.1f} Hz", mode.frequency_hz), places, {}};
+    for (const int node : nodes)
+      curve.y.push_back(node < 0 ? std::numeric_limits<double>::quiet_NaN() : mode.shape[node]);
+    curve.shown = picture.curves.size() < kShown;
+    picture.curves.push_back(std::move(curve));
+  }
+  if (!picture.curves.empty()) pictures.pictures.push_back(std::move(picture));
+}
+
 }  // namespace
 
 void AddResponses(const Prepared& prepared, const Course& course, RunPictures& pictures) {
@@ -165,8 +240,18 @@ void AddResponses(const Prepared& prepared, const Course& course, RunPictures& p
   const Result<mechanics::TransferFunction> transfer = TransferOf(*prepared.rig, *settings);
   const Result<LinearAnalysis> analysis = Analyse(*prepared.rig, *settings);
   if (!transfer.ok() || !analysis.ok()) return;
-  AddBode(prepared, course, *settings, *transfer, analysis->resonances, pictures);
+  AddBode(prepared, &course, *settings, *transfer, analysis->resonances, pictures);
   AddPoles(*analysis, settings->to_Hz, pictures);
+}
+
+std::vector<Picture> PicturesOfModes(const Prepared& prepared, const AnalysisSettings& settings,
+                                     const LinearAnalysis& analysis) {
+  RunPictures pictures;
+  const Result<mechanics::TransferFunction> transfer = TransferOf(*prepared.rig, settings);
+  if (transfer.ok()) AddBode(prepared, nullptr, settings, *transfer, analysis.resonances, pictures);
+  AddShapes(analysis, settings.to_Hz, pictures);
+  AddPoles(analysis, settings.to_Hz, pictures);
+  return pictures.pictures;
 }
 
 void AddSpectra(const Prepared& prepared, const Course& course, RunPictures& pictures) {

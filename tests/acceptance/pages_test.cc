@@ -221,6 +221,22 @@ TEST_F(Pages, OfTheNightlyRecord) {
   Look("check.html", 1, "1 series became worse");
 }
 
+TEST_F(Pages, OfTheModesOfALine) {
+  Made({"modes", "line.toml", "--html", "modes.html"});
+  Look("modes.html", 4, "modes of line: 2 below");
+  Made({"modes", "heavy_duty/alternative_setup_1", "--html", "branched.html"});
+  Look("branched.html", 4, "modes of heavy_duty/alternative_setup_1: 4 below 2000 Hz");
+}
+
+TEST_F(Pages, OfTwoTraces) {
+  Made({"run", "line.toml", "--out", "a", "--set", "run.duration_s=0.3"});
+  Made({"run", "line.toml", "--out", "b", "--set", "run.duration_s=0.3", "--set", "plant.inertia.I3=0.51"});
+  Made({"compare", "a/line.h5", "b/line.h5", "--html", "parted.html"}, 1);
+  Look("parted.html", 3, "signals do not agree");
+  Made({"compare", "a/line.h5", "a/line.h5", "--html", "same.html"});
+  Look("same.html", 2, "signals agree");
+}
+
 TEST_F(Pages, OfABenchmark) {
   const Outcome outcome = bench_.Call({"bench", "suppression/adaptive", "--html", "bench.html"});
   ASSERT_TRUE(outcome.exit == 0 || outcome.exit == 4 || outcome.exit == 5)
@@ -258,7 +274,7 @@ TEST(PagesOfTheProgram, AreAllLookedAtAbove) {
   std::set<std::string> pages;
   CollectPages(bench, {}, pages);
   EXPECT_EQ(pages, (std::set<std::string>{"run", "reproduce", "diagnose", "bench", "probe", "sweep", "history show",
-                                          "history check"}))
+                                          "history check", "modes", "compare"}))
       << "a command that writes another page needs a test here";
 }
 

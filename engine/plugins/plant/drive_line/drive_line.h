@@ -63,7 +63,8 @@ class DriveLine : public Component {
     int rotor_modes = 0;
     void Visit(auto& v) {
       v.Optional("motion", motion, std::vector<std::string>{"rotation", "translation"},
-                 "translation: bodies slide; keys, units and ports are those of force and position");
+                 "translation: bodies slide, with keys of kg, N and m (stiffness_N_per_m, T_c_N) and ports of force, "
+                 "position");
       v.Optional("rotor", rotor, Any(),
                  "soft rotors by name: inertia_kg_m2, stiffness_Nm_per_rad, damping_Nms_per_rad, slices (100)");
       v.Optional("inertia", inertia, Positive("kg m^2"), "lumped inertias by name");
