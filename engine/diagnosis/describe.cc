@@ -64,8 +64,8 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
                         .cwiseMax(estimation::CurvatureOf(one.levels[level], one.hypothesis).diagonal())
                         .cwiseMax(0.0)
                         .cwiseSqrt();
-    low = low.cwiseMin(one.levels[level].q - half);
-    high = high.cwiseMax(one.levels[level].q + half);
+    low = low.cwiseMin(one.levels[level].q - half).cwiseMax(one.hypothesis.lower());
+    high = high.cwiseMax(one.levels[level].q + half).cwiseMin(one.hypothesis.upper());
   }
   std::vector<FoundEffect> all;
   Eigen::Index i = 0;

@@ -466,13 +466,13 @@ Eigen::MatrixXd Sandwich(const Estimate& estimate, const DataSet& data, const Hy
     }
     meat += score * score.transpose();
   }
-  const Eigen::MatrixXd inverse = dense::PseudoInverse(HessianOf(J, hypothesis));
+  const Eigen::MatrixXd inverse = dense::CovarianceOf(HessianOf(J, hypothesis));
   return inverse * meat * inverse;
 }
 
 Eigen::MatrixXd CurvatureOf(const Estimate& estimate, const Hypothesis& hypothesis) {
   if (estimate.jacobian.cols() == 0) return {};
-  return dense::PseudoInverse(HessianOf(estimate.jacobian, hypothesis));
+  return dense::CovarianceOf(HessianOf(estimate.jacobian, hypothesis));
 }
 
 double LogLikelihood(const Estimate& estimate, const Predictor& predictor) {

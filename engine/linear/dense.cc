@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <limits>
 
 namespace dynoproof::dense {
 
@@ -25,6 +26,15 @@ VectorXd SolveLdlt(const MatrixXd& A, const VectorXd& b) { return A.ldlt().solve
 VectorXd LeastSquares(const MatrixXd& A, const VectorXd& b) { return A.completeOrthogonalDecomposition().solve(b); }
 
 MatrixXd PseudoInverse(const MatrixXd& A) { return A.completeOrthogonalDecomposition().pseudoInverse(); }
+
+MatrixXd CovarianceOf(const MatrixXd& information) {
+  constexpr double kLeast = 1e-12, kNothing = 1e-20;
+  const VectorXd told = information.diagonal();
+  const VectorXd unit = (told.array() > kNothing).select(told.cwiseMax(kNothing).cwiseSqrt().cwiseInverse(), 1.0);
+  const SymmetricEigen own = Symmetric(unit.asDiagonal() * information * unit.asDiagonal());
+  const MatrixXd scaled = unit.asDiagonal() * own.vectors;
+  return scaled * own.values.cwiseMax(kLeast).cwiseInverse().asDiagonal() * scaled.transpose();
+}
 
 ThinQr Qr(const MatrixXd& A) {
   const Eigen::HouseholderQR<MatrixXd> qr(A);

@@ -54,6 +54,11 @@ Eigen::VectorXd SolveLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::VectorXd LeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 Eigen::MatrixXd PseudoInverse(const Eigen::MatrixXd& A);
 
+/// The covariance that belongs to an information matrix, symmetric and not indefinite. It is taken in units in which each number's
+/// own information is 1, so that no unit is so small that rounding takes its number for known; a direction of which the matrix
+/// says nothing, not a millionth of those units, is known to a million of them.
+Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& information);
+
 /// A = Q R of m x n, m >= n, by reflections: Q of m x n with orthonormal columns, R upper triangular.
 struct ThinQr {
   Eigen::MatrixXd Q, R;

@@ -66,6 +66,14 @@ TEST(Hypothesis, WhatDoesNothingWhereNumbersEndCountsByItsLogarithm) {
   }
 }
 
+TEST(Hypothesis, APhaseThatStartsAtZeroIsAsLargeAsItsCircle) {
+  const Registry& registry = testing::BuiltIns();
+  const Hypothesis free(FourMasses(0.1));
+  const Hypothesis with = free.With(*registry.FindEffect("torque_ripple"), *ParsePlace("inertia:I2"), Magnitudes());
+  ASSERT_THAT(with.parameters()[2].name, ::testing::EndsWith(" theta"));
+  EXPECT_GT(with.parameters()[2].scale, 0.1) << "rad: a step of a fit is a share of it";
+}
+
 TEST(Hypothesis, ReleasedNumbersHaveADecadeAndNoPrior) {
   const Registry& registry = testing::BuiltIns();
   const Hypothesis kept = Hypothesis(FourMasses(0.1)).WithNominalValuesFree(registry);
