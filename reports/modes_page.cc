@@ -42,7 +42,7 @@ std::string Energies(const LinearAnalysis& analysis, double to_Hz) {
   return Table(head, rows);
 }
 
-/// What the response has at these frequencies, as the text says it.
+/// The practical resonances in a sentence's form: "97.4 Hz (gain 12)", with commas between them.
 std::string ResonancesText(const LinearAnalysis& analysis) {
   std::string text;
   for (const mechanics::Resonance& one : analysis.resonances) {

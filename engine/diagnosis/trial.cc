@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/effect_size.h"
+#include "model/motion.h"
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
@@ -31,8 +32,8 @@ Magnitudes MagnitudesOf(const EstimationProblem& problem) {
     if (channel.record != 0) continue;
     m.output_spread[channel.name] = channel.spread;
     const double rms = score::RootMeanSquare(*record.outputs.at(channel.name).values);
-    if (channel.unit == "N m" || channel.unit == "N") torque = std::max(torque, rms);
-    if (channel.unit == "rad/s" || channel.unit == "m/s") speed = std::max(speed, rms);
+    if (IsForce(channel.unit)) torque = std::max(torque, rms);
+    if (IsSpeed(channel.unit)) speed = std::max(speed, rms);
   }
   m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;
   m.speed = speed > 0.0 ? speed : 1.0;

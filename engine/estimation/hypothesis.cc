@@ -13,8 +13,8 @@ namespace {
 constexpr double kBound = 3.0;      // deviations: 0.3 % of sound values lie beyond
 constexpr double kReleased = 10.0;  // times a nominal value, up and down
 
-/// The size of a parameter that starts where it does nothing, of its bounds' width.
-constexpr double kLeastSize = 1e-6, kOfShape = 0.1;  // of the bounds
+/// The size of a number that starts at its neutral value, and of a shape that starts at 0 [of its bounds' width].
+constexpr double kLeastSize = 1e-6, kOfShape = 0.1;
 
 /// By coordinate, what `pick` takes of those of both bounds: of a negative number the upper one is the smaller.
 Eigen::VectorXd BoundsOf(const std::vector<Parameter>& parameters, double (*pick)(double, double)) {
@@ -149,7 +149,7 @@ Hypothesis Hypothesis::With(const Effect& effect, const Place& place, const Magn
     const double value = std::clamp(start[i], known.lower, known.upper);
     const double neutral = std::isfinite(known.neutral) ? known.neutral : 0.0;
     // Bounds may be as wide as physics goes: a start, where it is one, tells the size, however small it is beside them.
-    // A shape's are where it lies, as a phase does on its circle.
+    // A shape's bounds are where it lies, as a phase lies on its circle.
     const double of_bounds = std::isfinite(known.neutral) ? kLeastSize : kOfShape;
     const double size = value != neutral ? std::abs(value - neutral) : of_bounds * (known.upper - known.lower);
     // What does nothing at a bound that is as large as numbers go, as a limit or a joint's stiffness, is told from there by

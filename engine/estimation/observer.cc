@@ -12,6 +12,7 @@
 #include "base/subnormals.h"
 #include "estimation/sensor_chain.h"
 #include "linear/dense.h"
+#include "model/motion.h"
 #include "score/series.h"
 #include "sim/simulate.h"
 
@@ -280,7 +281,7 @@ Result<LinearModel> LinearModel::Of(const Plan& plan, const MappedRecord& record
   for (Index i = 0; i < n; ++i) model.scale[i] = run->rig->state_ports[static_cast<std::size_t>(i)].nominal;
   double torque = 0.0;
   for (const InputLine& line : run->rig->inputs)
-    torque = std::max(torque, line.unit == "N m" || line.unit == "N" ? SizeOf(line, record) : 0.0);
+    torque = std::max(torque, IsForce(line.unit) ? SizeOf(line, record) : 0.0);
   std::vector<BuiltRun> loaded;
   for (auto& [name, with] : Loaded(WithoutSensors(plan), torque > 0.0 ? torque : 1.0, registry)) {
     Result<BuiltRun> one = BuildRun(std::move(with), record, registry);

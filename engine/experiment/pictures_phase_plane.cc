@@ -70,7 +70,7 @@ void AddAreas(const Law& law, const std::string& name, double half_gap, double m
 
 std::unique_ptr<Law> MakeLaw(const Prepared& prepared, const Value& shaft, const std::string& name) {
   Diagnostics ignored;  // the rig has been built of the same table
-  const Motion motion = MotionOf(*prepared.plan.root.Find("plant"));
+  const Motion motion = MotionIn(prepared.plan.root);
   BuildContext context{
       *prepared.registry,
       ignored,
@@ -83,7 +83,7 @@ std::unique_ptr<Law> MakeLaw(const Prepared& prepared, const Value& shaft, const
 }  // namespace
 
 void AddPhasePlanes(const Prepared& prepared, const Course& course, RunPictures& pictures) {
-  const Motion motion = MotionOf(*prepared.plan.root.Find("plant"));
+  const Motion motion = MotionIn(prepared.plan.root);
   for (const Value::Entry& shaft : ShaftsOf(prepared.plan)) {
     const double half_gap = shaft.value.NumberOr(KeyIn(motion, shaft.value, "half_gap_rad"), 0.0);
     const std::string twist = OutputOf(prepared.plan, shaft.key, NameIn(motion, "twist")),

@@ -24,7 +24,7 @@ bool HasUndampedShaft(const Plan& plan) {
   const std::vector<std::string> names = shafts != nullptr ? KeysOf(*shafts) : std::vector<std::string>();
   return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
     const Value& shaft = *shafts->Find(name);
-    const Value* damping = shaft.Find(KeyIn(MotionOf(*plan.root.Find("plant")), shaft, "damping_Nms_per_rad"));
+    const Value* damping = shaft.Find(KeyIn(MotionIn(plan.root), shaft, "damping_Nms_per_rad"));
     return damping == nullptr || (damping->is_number() && damping->number() == 0.0);
   });
 }

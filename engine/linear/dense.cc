@@ -28,7 +28,8 @@ VectorXd LeastSquares(const MatrixXd& A, const VectorXd& b) { return A.completeO
 MatrixXd PseudoInverse(const MatrixXd& A) { return A.completeOrthogonalDecomposition().pseudoInverse(); }
 
 MatrixXd CovarianceOf(const MatrixXd& information) {
-  constexpr double kLeast = 1e-12, kNothing = 1e-20;
+  constexpr double kLeast = 1e-12;    // of a direction: rounding of the scaled matrix is some 1e-15
+  constexpr double kNothing = 1e-20;  // of a number: it keeps its unit
   const VectorXd told = information.diagonal();
   const VectorXd unit = (told.array() > kNothing).select(told.cwiseMax(kNothing).cwiseSqrt().cwiseInverse(), 1.0);
   const SymmetricEigen own = Symmetric(unit.asDiagonal() * information * unit.asDiagonal());

@@ -29,14 +29,13 @@ std::string Effect::ScaledIn(const Plan& plan, const Place& place) const {
   const Value* table = dot == std::string::npos ? nullptr : plan.root.FindPath(path.substr(0, dot));
   // The name of a body is no key that carries a unit: it is there as it is.
   if (table == nullptr || table->Find(path.substr(dot + 1)) != nullptr) return path;
-  return path.substr(0, dot + 1) + KeyIn(MotionOf(*plan.root.Find("plant")), *table, path.substr(dot + 1));
+  return path.substr(0, dot + 1) + KeyIn(MotionIn(plan.root), *table, path.substr(dot + 1));
 }
 
 std::string Effect::UnitAt(std::size_t index, const Place& place, const Plan& plan) const {
   const EffectParameter& parameter = info_.parameters[index];
   if (!parameter.of_signal) {
-    const Value* plant = plan.root.Find("plant");
-    const bool slides = PlantOf(plan).slides || (plant != nullptr && MotionOf(*plant) == Motion::kTranslation);
+    const bool slides = PlantOf(plan).slides || MotionIn(plan.root) == Motion::kTranslation;
     // A harmonic's phase is an angle in either motion; its order, per turn of a body, counts radians per length.
     if (slides && info_.traits.harmonic && index > 0) return index == 1 ? "rad/m" : parameter.unit;
     return UnitIn(slides ? Motion::kTranslation : Motion::kRotation, parameter.unit);

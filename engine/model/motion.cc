@@ -1,5 +1,6 @@
 #include "model/motion.h"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <utility>
@@ -49,6 +50,15 @@ bool IsOfAName(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0
 Motion MotionOf(const Value& plant) {
   return plant.TextOr("motion") == "translation" ? Motion::kTranslation : Motion::kRotation;
 }
+
+Motion MotionIn(const Value& root) {
+  const Value* plant = root.Find("plant");
+  return plant != nullptr ? MotionOf(*plant) : Motion::kRotation;
+}
+
+bool IsForce(std::string_view unit) { return unit == "N m" || unit == "N"; }
+
+bool IsSpeed(std::string_view unit) { return unit == "rad/s" || unit == "m/s"; }
 
 std::string UnitIn(Motion motion, std::string_view unit) {
   for (const auto& [turning, sliding] : kUnits) {

@@ -12,8 +12,14 @@ namespace dynoproof {
 
 enum class Motion { kRotation, kTranslation };
 
-/// What the table [plant] says of itself by motion = "translation"; rotation where it says nothing.
+/// Translation where the table [plant] has motion = "translation", else rotation.
 Motion MotionOf(const Value& plant);
+/// The motion of the plant of a whole scenario; rotation where it has none.
+Motion MotionIn(const Value& root);
+
+/// Whether a unit is that of a torque or of a force, and whether it is that of a speed, of whichever motion.
+bool IsForce(std::string_view unit);
+bool IsSpeed(std::string_view unit);
 
 /// A unit of rotation as that of the same quantity in this motion: "N m/rad" is "N/m" in translation. Units that hold for
 /// both stay.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "model/effect_size.h"
+#include "model/motion.h"
 #include "score/series.h"
 
 namespace dynoproof::probe {
@@ -171,8 +172,8 @@ Magnitudes MagnitudesOf(const Rig& rig, const Samples& samples) {
     for (const double value : values) mean += value / static_cast<double>(values.size());
     const double rms = score::RootMeanSquare(values);
     m.output_spread[line.name] = std::sqrt(std::max(0.0, rms * rms - mean * mean));
-    if (line.unit == "N m" || line.unit == "N") torque = std::max(torque, rms);
-    if (line.unit == "rad/s" || line.unit == "m/s") speed = std::max(speed, rms);
+    if (IsForce(line.unit)) torque = std::max(torque, rms);
+    if (IsSpeed(line.unit)) speed = std::max(speed, rms);
   }
   m.torque = torque > 0.0 ? torque : m.input > 0.0 ? m.input : 1.0;
   m.speed = speed > 0.0 ? speed : 1.0;

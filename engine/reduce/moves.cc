@@ -62,7 +62,7 @@ Move Lump(const std::string& name) {
   return {fmt::format("rotor {} is one inertia", name), [name](Value& root) {
             Value* rotor = root.FindPath("plant.rotor." + name);
             if (rotor == nullptr || !rotor->is_table()) return false;
-            const Value* inertia = rotor->Find(KeyIn(MotionOf(*root.Find("plant")), *rotor, "inertia_kg_m2"));
+            const Value* inertia = rotor->Find(KeyIn(MotionIn(root), *rotor, "inertia_kg_m2"));
             if (inertia == nullptr) return false;
             const Value moved = *inertia;
             root["plant"]["rotor"].Erase(name);
@@ -123,7 +123,7 @@ Move Join(const std::string& shaft, const std::set<std::string>& changed) {
 std::vector<Move> Joints(const Value& root, const std::set<std::string>& changed) {
   std::vector<std::pair<double, std::string>> shafts;
   for (const Value::Entry& entry : TableAt(root, "plant.shaft")) {
-    const std::string key = KeyIn(MotionOf(*root.Find("plant")), entry.value, "stiffness_Nm_per_rad");
+    const std::string key = KeyIn(MotionIn(root), entry.value, "stiffness_Nm_per_rad");
     shafts.emplace_back(-entry.value.NumberOr(key, 0.0), entry.key);
   }
   std::ranges::sort(shafts);

@@ -105,12 +105,14 @@ TEST(Motion, HasItsOwnNamesAndUnits) {
   for (const auto& [turning, sliding] : names) {
     EXPECT_EQ(NameIn(kSliding, turning), sliding);
     EXPECT_EQ(NameIn(Motion::kRotation, turning), turning);
-    // What a key says of its unit is what the unit itself becomes; a phase is an angle in either motion.
+    // The suffix of the renamed key names the unit that UnitIn() gives. A phase is an angle in either motion.
     if (turning == "theta_rad") continue;
     EXPECT_EQ(UnitOfSuffix(sliding), UnitIn(kSliding, UnitOfSuffix(turning))) << turning;
   }
   EXPECT_EQ(TextIn(kSliding, "damping_Nms_per_rad > 0, or law = \"dead_zone\""),
             "damping_Ns_per_m > 0, or law = \"dead_zone\"");
+  EXPECT_TRUE(IsForce("N") && IsForce("N m") && !IsForce("N/m"));
+  EXPECT_TRUE(IsSpeed("m/s") && IsSpeed("rad/s") && !IsSpeed("m"));
   EXPECT_EQ(TextIn(kSliding, "usual shaft torque;"), "usual shaft force;");
 }
 

@@ -27,11 +27,6 @@ std::vector<Place> ShaftsThat(const PlantTraits& plant, const Plan& plan, const 
   return places;
 }
 
-/// What a shaft has under a key of rotation, 0 where nothing is written.
-double NumberIn(const Plan& plan, const Value& shaft, std::string_view key) {
-  return shaft.NumberOr(KeyIn(plan, shaft, key), 0.0);
-}
-
 Value& ShaftAt(Plan& plan, const Place& place) { return plan.root["plant"]["shaft"][place.name]; }
 
 class BacklashOnShaft : public Effect {

@@ -16,9 +16,8 @@ std::vector<Place> Couplings(const PlantTraits& plant, const Plan& plan, bool da
     const Value* law = shaft.Find("law");
     if (law == nullptr || !law->is_string() || law->string() != "kelvin_voigt" || shaft.Find("drift") != nullptr)
       continue;
-    const Place place{"shaft", name, ""};
-    if (damped && !(NumberOfShaft(plan, place, "damping_Nms_per_rad", 0.0) > 0.0)) continue;
-    places.push_back(place);
+    if (damped && !(NumberIn(plan, shaft, "damping_Nms_per_rad") > 0.0)) continue;
+    places.push_back({"shaft", name, ""});
   }
   return places;
 }

@@ -36,8 +36,7 @@ std::vector<std::string> NamesIn(const Plan& plan, std::string_view section) {
 }
 
 std::string KeyIn(const Plan& plan, const Value& table, std::string_view key) {
-  const Value* plant = plan.root.Find("plant");
-  return dynoproof::KeyIn(plant != nullptr ? MotionOf(*plant) : Motion::kRotation, table, key);
+  return dynoproof::KeyIn(MotionIn(plan.root), table, key);
 }
 
 double NumberAt(const Plan& plan, const std::string& path, double otherwise) {
@@ -45,10 +44,14 @@ double NumberAt(const Plan& plan, const std::string& path, double otherwise) {
   return value != nullptr && value->is_number() ? value->number() : otherwise;
 }
 
+double NumberIn(const Plan& plan, const Value& table, std::string_view key, double otherwise) {
+  const Value* value = table.Find(KeyIn(plan, table, key));
+  return value != nullptr && value->is_number() ? value->number() : otherwise;
+}
+
 double NumberOfShaft(const Plan& plan, const Place& shaft, std::string_view key, double otherwise) {
   const Value* table = plan.root.FindPath("plant.shaft." + shaft.name);
-  const Value* value = table != nullptr ? table->Find(KeyIn(plan, *table, key)) : nullptr;
-  return value != nullptr && value->is_number() ? value->number() : otherwise;
+  return table != nullptr ? NumberIn(plan, *table, key, otherwise) : otherwise;
 }
 
 double StiffnessAt(const Plan& plan, const Place& shaft) {

@@ -26,7 +26,9 @@ std::vector<std::string> NamesIn(const Plan& plan, std::string_view section);
 std::string KeyIn(const Plan& plan, const Value& table, std::string_view key);
 /// The number at a path, `otherwise` where there is none.
 double NumberAt(const Plan& plan, const std::string& path, double otherwise);
-/// What a drive line's shaft has under a key of rotation, `otherwise` where nothing is written.
+/// The number of a table of the plant by its key of rotation; `otherwise` where the table has none.
+double NumberIn(const Plan& plan, const Value& table, std::string_view key, double otherwise = 0.0);
+/// The same of the table of a drive line's shaft.
 double NumberOfShaft(const Plan& plan, const Place& shaft, std::string_view key, double otherwise);
 /// The stiffness of a drive line's shaft [N m/rad, or N/m], 0 where none is written.
 double StiffnessAt(const Plan& plan, const Place& shaft);

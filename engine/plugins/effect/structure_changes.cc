@@ -310,8 +310,8 @@ class CubicStiffnessEffect : public Effect {
     if (!PlantOf(plan).drive_line) return places;
     for (const std::string& name : NamesIn(plan, "shaft")) {
       const Value& shaft = *Section(plan, "shaft")->Find(name);
-      const Place place{"shaft", name, ""};
-      if (IsSpringDamper(shaft) && StiffnessAt(plan, place) > 0.0) places.push_back(place);
+      if (IsSpringDamper(shaft) && NumberIn(plan, shaft, "stiffness_Nm_per_rad") > 0.0)
+        places.push_back({"shaft", name, ""});
     }
     return places;
   }

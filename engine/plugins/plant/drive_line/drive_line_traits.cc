@@ -38,9 +38,7 @@ std::optional<double> NumberAt(const Plan& plan, const std::string& path) {
 }
 
 std::vector<NuisanceParameter> Nuisances(const Plan& plan) {
-  const Value* plant = plan.root.Find("plant");
-  if (plant == nullptr) return {};
-  const Motion motion = MotionOf(*plant);
+  const Motion motion = MotionIn(plan.root);
   // The path of a key of rotation in the table that is at `path`, or would be.
   const auto key = [&](const std::string& path, std::string_view name) {
     static const Value none;
