@@ -130,7 +130,7 @@ void AddDiagnose(Command program) {
   command.Flag("--explain", arguments->explain, "say what was compared, by which rule and with which numbers");
   command
       .Value("--most-simulations", arguments->most_simulations,
-             "simulations of all the data after which the search ends with the best it has (default 20000)")
+             "simulations of all the data after which the search ends with the best it has (default 25000)")
       .Positive();
   command
       .Value("--most-cpu", arguments->most_cpu_s,

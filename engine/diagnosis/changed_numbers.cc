@@ -27,12 +27,15 @@ bool LeavesNothing(const Contestant& one, const Levels& levels) {
   return one.Holds(level) && IsExact(one.levels[level]) && !HasExcess(one.levels[level], levels.data());
 }
 
-/// The value of a number in a fitted model; nothing where it is none of the model's.
-std::optional<double> ValueIn(const Contestant& one, const std::string& path, std::size_t level) {
+/// Which of a fitted model's numbers that is; nothing where it has none of that name.
+std::optional<std::size_t> IndexIn(const Contestant& one, const std::string& path) {
   const auto& parameters = one.hypothesis.parameters();
   const auto own = std::ranges::find(parameters, path, &estimation::Parameter::name);
-  if (own == parameters.end()) return std::nullopt;
-  return own->ValueAt(one.levels[level].q[own - parameters.begin()]);
+  return own != parameters.end() ? std::optional(static_cast<std::size_t>(own - parameters.begin())) : std::nullopt;
+}
+
+double ValueAt(const Contestant& one, std::size_t number, std::size_t level) {
+  return one.hypothesis.parameters()[number].ValueAt(one.levels[level].q[static_cast<Eigen::Index>(number)]);
 }
 
 std::vector<Change> ChangesOf(const Contestant& exact, const Contestant& null, const Levels& levels,
@@ -43,7 +46,7 @@ std::vector<Change> ChangesOf(const Contestant& exact, const Contestant& null, c
     const std::string scaled = trial.effect->ScaledIn(null.hypothesis.nominal(), trial.place);
     if (std::ranges::find(far, scaled, &std::pair<std::string, double>::first) == far.end()) continue;
     const double nominal = null.hypothesis.nominal().root.NumberOr(scaled, 0.0);
-    changes.push_back({std::move(trial), *ValueIn(exact, scaled, levels.free_run()) / nominal - 1.0});
+    changes.push_back({std::move(trial), ValueAt(exact, *IndexIn(exact, scaled), levels.free_run()) / nominal - 1.0});
   }
   return changes;
 }
@@ -106,8 +109,9 @@ std::vector<std::pair<std::string, double>> FarFromPriors(const Contestant& exac
   std::vector<std::pair<std::string, double>> far;
   for (const estimation::Parameter& parameter : null.hypothesis.parameters()) {
     if (!parameter.prior || parameter.name.starts_with("of_record.")) continue;
-    const std::optional<double> value = ValueIn(exact, parameter.name, levels.free_run());
-    const double off = value ? parameter.CoordinateOf(*value) : 0.0;
+    const std::optional<std::size_t> own = IndexIn(exact, parameter.name);
+    if (!own || !Shows(exact.levels[levels.free_run()], *own)) continue;
+    const double off = parameter.CoordinateOf(ValueAt(exact, *own, levels.free_run()));
     if (std::abs(off) > kFar) far.emplace_back(parameter.name, off);
   }
   std::ranges::stable_sort(far, {}, [](const auto& one) { return -std::abs(one.second); });

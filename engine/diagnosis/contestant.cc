@@ -125,6 +125,22 @@ double OffNominal(const Contestant& one, std::size_t level) {
   return sum;
 }
 
+bool Shows(const Estimate& fit, std::size_t number) {
+  return fit.jacobian.rows() == 0 || fit.jacobian.col(static_cast<Index>(number)).squaredNorm() > 1.0;
+}
+
+std::vector<std::size_t> NominalValuesOnBounds(const Contestant& one, std::size_t level) {
+  constexpr double kThere = 1e-6;  // coordinates: 1 is a standard deviation, or the factor e
+  const VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
+  const Estimate& fit = one.levels[level];
+  std::vector<std::size_t> on_bounds;
+  for (auto i = static_cast<Index>(one.hypothesis.of_effects()); i < lower.size(); ++i) {
+    if (Shows(fit, static_cast<std::size_t>(i)) && (fit.q[i] < lower[i] + kThere || fit.q[i] > upper[i] - kThere))
+      on_bounds.push_back(static_cast<std::size_t>(i));
+  }
+  return on_bounds;
+}
+
 std::vector<Idle> IdleEffects(const Contestant& one, std::size_t level) {
   const Estimate& fit = one.levels[level];
   std::vector<Idle> idle;

@@ -56,6 +56,13 @@ bool NamesSomething(const Contestant& one, std::size_t level);
 /// How far nominal values are off: the sum of squares of their deviations, in standard deviations of their priors.
 double OffNominal(const Contestant& one, std::size_t level);
 
+/// Whether the data of a fit tell a number at all: a standard deviation of its prior, or a factor e, would be seen. Others lie anywhere.
+bool Shows(const estimation::Estimate& fit, std::size_t number);
+
+/// Nominal values at the end of what their prior allows, or of how far they were released, where the fit would have gone on: by index, of
+/// those that show.
+std::vector<std::size_t> NominalValuesOnBounds(const Contestant& one, std::size_t level);
+
 /// An effect of a fitted model that could be left out, and where the other numbers then go, this effect doing nothing.
 struct Idle {
   std::size_t effect = 0;

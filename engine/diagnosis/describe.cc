@@ -316,6 +316,12 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     const auto value = identification::ValueOf(nuisance, hypothesis.z[i], problem.plan());
     result.refitted.push_back({nuisance.path, value.nominal, value.value, hypothesis.z[i], nuisance.start});
   }
+  for (const std::size_t i : NominalValuesOnBounds(model, level)) {
+    const estimation::Parameter& own = model.hypothesis.parameters()[i];
+    result.notes.push_back(fmt::format(
+        "{} = {:.4g} lies on the bound of its fit (nominal {:.4g}): it would go on, or stands for something else",
+        own.name, own.ValueAt(fit.q[static_cast<Eigen::Index>(i)]), own.reference));
+  }
   for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
     const Contestant& one = contest.contestants[i];
     const bool named = std::ranges::find(settled.causes, i) != settled.causes.end();

@@ -105,7 +105,7 @@ struct DiagnoseOptions {
   std::vector<std::string> overrides = {};  // --set: KEY=VALUE that the plan has beyond that file
   bool resume = false;
   /// The search ends there with the best it has; the CPU time is that of the process, and unlimited where it is not stated.
-  double most_simulations = 20000.0, most_cpu_s = std::numeric_limits<double>::infinity();
+  double most_simulations = 25000.0, most_cpu_s = std::numeric_limits<double>::infinity();
   std::function<void(const std::string& what, double fraction)> progress = [](const std::string&, double) {};
 };
 

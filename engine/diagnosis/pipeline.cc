@@ -91,7 +91,7 @@ Result<Answer> Pipeline::Decide() {
     return answer;
   } else if (!Spent()) {
     // A model that was fitted naively has swallowed its missing effect, and gives it back only when it is let go.
-    Contestant null = NullOf(begun_, true, levels_, registry);
+    Contestant null = ReleasedNull();
     released_ = null;
     if (std::optional<Answer> numbers = SeveralNumbers(answer->contest, null)) return *std::move(numbers);
     std::vector<Contestant> admitted;
@@ -282,15 +282,20 @@ Result<Answer> Pipeline::AskOnTop(const Contestant& base, const Contest& before)
 std::optional<Answer> Pipeline::SeveralNumbers(const Contest& under_priors, const Contestant& released) {
   if (!under_priors.complete) return {};
   const Contestant& null = under_priors.null();
+  const std::int64_t counted = levels_.simulations();
   std::optional<Contestant> exact = ByNumbersAlone(null, released, levels_);
   if (!exact) return {};
   const auto far = FarFromPriors(*exact, null, levels_);
   if (far.empty()) return {};
   Contest contest = CompeteByChanges(under_priors, *exact, levels_, magnitudes_, problem_.registry(), kMostCauses);
+  contest.cost = {{"changes of numbers", levels_.simulations() - counted}};
   Settled settled;
-  if (contest.contestants.size() > 1) {
-    settled = SettledOn(contest, false);
-  } else {
+  if (contest.contestants.size() > 1) settled = SettledOn(contest, false);
+  // Changes of which the records show ratios alone make up for each other: one set of them is as good as another.
+  const bool make_up = std::ranges::any_of(
+      settled.causes, [&](std::size_t i) { return !IdleEffects(contest.contestants[i], settled.level).empty(); });
+  if (contest.contestants.size() == 1 || make_up) {
+    settled = Settled();
     settled.rule = "the model's own numbers, let go together";
     settled.level = levels_.free_run();
     settled.exact = true;
@@ -298,12 +303,13 @@ std::optional<Answer> Pipeline::SeveralNumbers(const Contest& under_priors, cons
     contest.released = true;
     contest.contestants = {*std::move(exact)};
   }
-  result_.journal.push_back(
-      {"numbers",
-       {"nominal model"},
-       "let go together they leave nothing but noise",
-       far,
-       settled.causes.empty() ? "no three of them suffice" : contest.contestants[settled.causes.front()].Name()});
+  result_.journal.push_back({"numbers",
+                             {"nominal model"},
+                             "let go together they leave nothing but noise",
+                             far,
+                             make_up                  ? "changes of several of them make up for each other"
+                             : settled.causes.empty() ? "no three of them suffice"
+                                                      : contest.contestants[settled.causes.front()].Name()});
   Enter(contest, settled, "numbers let go together");
   Answer answer{std::move(contest), std::move(settled)};
   if (std::optional<Answer> other = FromItsHalves(answer, under_priors)) return other;
@@ -368,6 +374,25 @@ std::optional<Answer> Pipeline::BegunOtherwise(const Answer& answer) {
   return *std::move(next);
 }
 
+Contestant Pipeline::ReleasedNull() const {
+  Contestant null = NullOf(begun_, true, levels_, problem_.registry());
+  if (!null.Holds(0) || IsNearTheNoise(null.levels[0])) return null;
+  const Result<Plan> started = identification::FindStarts(problem_, null.hypothesis.At(null.levels[0].q));
+  if (!started.ok()) return null;
+  Eigen::VectorXd from = null.levels[0].q;
+  for (std::size_t i = 0; i < null.hypothesis.parameters().size(); ++i) {
+    const estimation::Parameter& own = null.hypothesis.parameters()[i];
+    if (own.name.starts_with("of_record."))
+      from[static_cast<Eigen::Index>(i)] = own.CoordinateOf(started->root.NumberOr(own.name, own.reference));
+  }
+  if (from == null.levels[0].q) return null;
+  Contestant again(null.hypothesis);
+  FitAlong(again, levels_, from);
+  const bool far_less = again.Holds(0) && LogLeft(again.levels[0], levels_) <
+                                              LogLeft(null.levels[0], levels_) - std::log(policy::kMarginBest);
+  return far_less ? again : null;
+}
+
 Answer Pipeline::WithFurtherCauses(Answer answer) {
   std::optional<Answer> before;
   for (int causes = 1; causes < kMostCauses && !answer.settled.exact && answer.contest.complete; ++causes) {
@@ -410,7 +435,7 @@ std::optional<Answer> Pipeline::FromItsHalves(const Answer& answer, const Contes
   if (!settled.exact || settled.causes.size() != 1) return {};
   const Contestant& all = contest.contestants[settled.causes.front()];
   double off = OffNominal(all, settled.level);
-  if (off < policy::kImplausible || Spent()) return {};
+  if (off < policy::kImplausible) return {};
   const auto& asked = contest.null().hypothesis.effects();
   std::vector<Contestant> halves;
   for (const estimation::Hypothesis::Applied& effect : all.hypothesis.effects()) {
@@ -418,14 +443,32 @@ std::optional<Answer> Pipeline::FromItsHalves(const Answer& answer, const Contes
   }
   std::ranges::stable_sort(halves, std::ranges::greater(), &Contestant::share);
   std::optional<Answer> best;
+  bool unasked = false;
   for (const Contestant& half : halves) {
-    if (off < policy::kImplausible || Spent()) break;
+    unasked = Spent();
+    if (off < policy::kImplausible || unasked) break;
     Result<Answer> other = AskOnTop(half, alone);
+    unasked = other.ok() && !other->contest.complete;
     if (!other.ok() || !other->settled.exact || other->settled.causes.empty()) continue;
     const double instead = OffNominal(other->contest.contestants[other->settled.causes.front()], other->settled.level);
     if (instead + policy::kImplausible <= off) best = *std::move(other), off = instead;
   }
+  if (off >= policy::kImplausible && unasked) return Unasked(best ? *std::move(best) : answer);
   return best;
+}
+
+Answer Pipeline::Unasked(Answer answer) {
+  result_.search_complete = false;
+  Settled& settled = answer.settled;
+  settled.best = settled.causes.front();
+  settled.causes.clear();
+  settled.verdict = Conclusion::kUnexplained;
+  settled.reason = fmt::format(
+      "{} leaves nothing but noise, but only with nominal values far from their priors, and the search has spent its "
+      "budget before "
+      "it knew of anything nearer",
+      answer.contest.contestants[*settled.best].Name());
+  return answer;
 }
 
 Contestant Pipeline::HalfOf(const Contestant& all, const estimation::Hypothesis::Applied& effect, std::size_t level,

@@ -108,10 +108,15 @@ class Pipeline {
   /// only led the others there. The model without it then stands in the contest before, in which it may have been left behind.
   bool DoesWithout(Answer& answer, Answer& before);
 
+  /// The null with its nominal values let go. Where it is far from the noise, starts that were found with the nominal values are found once
+  /// more with what these have come to.
+  Contestant ReleasedNull() const;
   /// Of several effects that leave nothing but noise, but with nominal values far off, one may be right and the others stand for what is missing.
   /// On top of each of them alone a further one is asked for; the answer is taken that leaves nothing but noise and is plausible. Effects on
   /// top of which the answer was found are passed over. `alone`: effects fitted alone.
   std::optional<Answer> FromItsHalves(const Answer& answer, const Contest& alone);
+  /// The same answer as one that names nothing: the budget ended before its halves were asked.
+  Answer Unasked(Answer answer);
   /// The model with one of its effects, as it was fitted alone.
   Contestant HalfOf(const Contestant& all, const estimation::Hypothesis::Applied& effect, std::size_t level,
                     const Contest& alone) const;

@@ -84,7 +84,7 @@ inline constexpr double kShare = 0.2;
 inline constexpr double kHeldOutPrior = 0.1, kHeldOutReleased = 0.5;
 /// Least share on data that took no part that a main cause explains: most of it.
 inline constexpr double kMainCause = 0.5;
-/// The same of one that leaves nothing but noise, but with a nominal value at the end of its prior: that can account for the rest alone.
+/// The same of one that leaves nothing but noise, but with a nominal value on its bound: that can account for the rest alone.
 /// Behind a gap three right ones of 0.979, 0.992 and 0.997 had light bodies and dampings pushed, which impacts hardly show.
 inline constexpr double kNearlyAll = 0.9;
 /// Share of what the plan as given leaves on data that took no part, from which on a null that removes it, too, leaves them

@@ -58,22 +58,22 @@ std::optional<double> HeldOutShare(const std::vector<HeldOut>& held_out, std::si
   return 1.0 - std::exp(held_out[i][level]->log_excess - OfNull(held_out, level));
 }
 
-/// Whether data that took no part bear a cause out. Where the null predicts them as well as the cause, and both to the noise or far
-/// better than the plan as given, they do not tell the two apart: then the training data have to do so plainly. As well: to a small share of
-/// what the plan as given leaves. A share of what the null leaves says nothing there: that is what no model here explains.
-bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level, double training_share) {
-  const std::optional<double> share = HeldOutShare(held_out, i, level);
-  if (!share) return false;
-  const double left = std::exp(held_out[i][level]->log_excess), by_null = std::exp(OfNull(held_out, level));
-  const bool no_question = held_out[i][level]->exact || 1.0 - left >= policy::kBothPredict;
-  const bool alike = by_null - left > policy::kHarm && no_question;
-  return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
-}
-
 /// Whether a model leaves far more than another one on data that took no part, and more than noise.
 bool LeavesFarMore(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t k, std::size_t level) {
   const std::optional<LeftThere>&own = held_out[i][level], &other = held_out[k][level];
   return own && other && !own->exact && own->log_excess > other->log_excess + std::log(policy::kMarginBest);
+}
+
+/// Whether data that took no part bear a cause out. Where the null predicts them about as well as the cause, and both to the noise or far
+/// better than the plan as given, they do not tell the two apart: then the training data have to do so plainly. A share of what the null
+/// leaves says nothing there: that is what no model here explains.
+bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level, double training_share) {
+  const std::optional<double> share = HeldOutShare(held_out, i, level);
+  if (!share) return false;
+  const std::optional<LeftThere>& own = held_out[i][level];
+  const bool no_question = own->exact || 1.0 - std::exp(own->log_excess) >= policy::kBothPredict;
+  const bool alike = no_question && !LeavesFarMore(held_out, i, 0, level);
+  return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
 }
 
 /// Whether the nominal values of a model are so much nearer to their priors than those of another one that is exact, too.
@@ -196,19 +196,6 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
                                  Listed(contest, standing));
   }
   return settled;
-}
-
-/// Whether a nominal value lies at the end of what its prior allows, where the fit would have gone on.
-bool EndsOnPriors(const Contestant& one, std::size_t level) {
-  constexpr double kThere = 1e-6;  // coordinates: 1 is a standard deviation
-  const Eigen::VectorXd lower = one.hypothesis.lower(), upper = one.hypothesis.upper();
-  for (Eigen::Index i = 0; i < lower.size(); ++i) {
-    const double q = one.levels[level].q[i];
-    if (one.hypothesis.parameters()[static_cast<std::size_t>(i)].prior &&
-        (q < lower[i] + kThere || q > upper[i] - kThere))
-      return true;
-  }
-  return false;
 }
 
 /// Where no model does: shares on data that took no part.
@@ -392,14 +379,16 @@ Settled AtTheEnd(Settled settled, const Contest& contest) {
   if (settled.causes.empty()) return settled;
   const std::size_t first = settled.causes.front();
   const std::string name = contest.contestants[first].Name();
-  const auto pushed = [&](std::size_t i) { return EndsOnPriors(contest.contestants[i], settled.level); };
+  const auto pushed = [&](std::size_t i) {
+    return !NominalValuesOnBounds(contest.contestants[i], settled.level).empty();
+  };
   if (settled.exact && settled.causes.size() == 1 && pushed(first) && settled.explains >= policy::kNearlyAll) {
-    settled.reason += ", though with a nominal value at the end of its prior";
+    settled.reason += ", though with a nominal value on its bound";
   } else if (settled.exact && std::ranges::all_of(settled.causes, pushed)) {
     settled.causes.clear();
     settled.best = first;
     settled.verdict = Conclusion::kUnexplained;
-    settled.reason = name + " leaves nothing but noise, but only with a nominal value at the end of its prior";
+    settled.reason = name + " leaves nothing but noise, but only with a nominal value on its bound";
   } else if (!settled.exact && settled.explains < policy::kMainCause) {
     settled.verdict = Conclusion::kUnexplained;
     settled.reason =

@@ -36,6 +36,13 @@ class Pair : public ::testing::Test {
     return one;
   }
 
+  Contestant Nominal(bool released) const {
+    Contestant one(NullHypothesis(plan_, released, *levels_, testing::BuiltIns()));
+    one.levels.resize(1);
+    one.levels[0].q = one.hypothesis.start();
+    return one;
+  }
+
   /// How well the two numbers are known [standard deviations from doing nothing], and whether they make up for each other.
   static void Know(Contestant& one, double friction, double width, bool alike) {
     estimation::Estimate& fit = one.levels[0];
@@ -50,6 +57,24 @@ class Pair : public ::testing::Test {
   Plan plan_;
   std::unique_ptr<Levels> levels_;
 };
+
+/// Three deviations of a prior off, and a decade where it is let go.
+TEST_F(Pair, TellsWhichNominalValuesLieOnTheirBounds) {
+  for (const bool released : {false, true}) {
+    Contestant one = Nominal(released);
+    EXPECT_TRUE(NominalValuesOnBounds(one, 0).empty());
+    const estimation::Parameter& second = one.hypothesis.parameters()[1];
+    EXPECT_EQ(second.prior, !released);
+    const double decade = second.reference / 10.0;
+    one.levels[0].q[1] = released ? second.CoordinateOf(decade) : -3.0;
+    EXPECT_EQ(NominalValuesOnBounds(one, 0), std::vector<std::size_t>{1}) << second.name;
+    one.levels[0].q[1] = released ? second.CoordinateOf(1.001 * decade) : -2.999;
+    EXPECT_TRUE(NominalValuesOnBounds(one, 0).empty());
+  }
+  Contestant effect = With(3.0, 5.0);
+  effect.levels[0].q[0] = effect.hypothesis.upper()[0];
+  EXPECT_TRUE(NominalValuesOnBounds(effect, 0).empty()) << "a number of an effect is no nominal value";
+}
 
 std::vector<std::size_t> IdleOnesOf(const Contestant& one) {
   std::vector<std::size_t> which;
