@@ -18,6 +18,7 @@ MAY_INCLUDE = {
     "score": ["base"],
     "oracles": ["model", "base"],
     "experiment": ["scenario", "sim", "trace", "score", "oracles", "model", "linear", "base", "control10k"],
+    "fmu": ["experiment", "scenario", "sim", "model", "base"],
     "estimation": ["experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "identification": ["estimation", "experiment", "scenario", "sim", "score", "model", "linear", "base"],
     "diagnosis": ["identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model", "linear", "base"],
@@ -28,7 +29,7 @@ MAY_INCLUDE = {
     "thesis": ["campaign", "identification", "experiment", "plugins", "scenario", "sim", "trace", "score", "model", "linear", "base",
                "control10k"],
     "reports": ["probe", "campaign", "history", "diagnosis", "identification", "experiment", "score", "trace", "model", "linear", "base"],
-    "app": ["reports", "probe", "reduce", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
+    "app": ["fmu", "reports", "probe", "reduce", "campaign", "history", "diagnosis", "identification", "estimation", "experiment", "scenario", "sim", "trace", "score", "model",
             "linear", "base"],
 }
 # engine/thesis can be deleted: only its own commands and the program's two hooks, main.cc and app.cc, know it.
@@ -39,6 +40,9 @@ FOLDERS = {"oracles": "golden/oracles", "reports": "reports"}
 # Sources without a header of their own name, and where what they give is declared.
 DECLARED_ELSEWHERE = {
     "engine/app/main.cc": "nothing but main()",
+    "engine/fmu/serve.cc": "fmu/unit.h: Serve(), what an exported unit asks",
+    "engine/fmu/slave/slave.cc": "the functions of FMI 2.0",
+    "engine/fmu/write.cc": "fmu/unit.h: Write()",
     "engine/linear/dense_eigenvalues.cc": "linear/dense.h: one header, but what compiles long side by side",
     "engine/linear/dense_exponential.cc": "linear/dense.h",
     "engine/linear/dense_svd.cc": "linear/dense.h",

@@ -5,6 +5,7 @@ include(CMakePackageConfigHelpers)
 
 # The program and its data; engine/scenario/find.cc finds these from the program's own place.
 install(TARGETS dynoproof DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS dynoproof_fmu_slave LIBRARY DESTINATION lib/dynoproof)  # goes into each unit that `export --fmu` writes
 install(DIRECTORY scenarios golden DESTINATION share/dynoproof PATTERN oracles EXCLUDE)
 install(FILES reports/run.schema.json reports/probe.schema.json reports/reduce.schema.json reports/bisect.schema.json
         DESTINATION share/dynoproof)

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build ccache git ca-certificates python3 python3-yaml python3-numpy
   libeigen3-dev libsundials-dev libhdf5-dev zlib1g-dev libmatio-dev pkgconf libtomlplusplus-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpugixml-dev
-  libgtest-dev libgmock-dev libbenchmark-dev libboost-dev libceres-dev libsqlite3-dev libssl-dev musl-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libboost-dev libceres-dev libmuparser-dev libzip-dev libsqlite3-dev libssl-dev musl-dev
 )
 missing=()
 for package in "${packages[@]}"; do

@@ -57,6 +57,7 @@ void AddDescribe(Command program);
 void AddValidate(Command program);
 void AddNew(Command program);
 void AddExport(Command program);
+void AddFmuServer(Command program);
 void AddCompare(Command program);
 void AddBench(Command program);
 void AddSweep(Command program);

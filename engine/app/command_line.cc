@@ -92,6 +92,8 @@ void Command::Describe(const std::string& text) const { command_->description(te
 
 void Command::Examples(const std::string& text) const { command_->footer("Examples:\n" + text); }
 
+void Command::Hide() const { command_->group(""); }
+
 void Command::NeedsSubcommand() const { command_->require_subcommand(1); }
 
 void Command::Runs(std::function<int()> work) const {

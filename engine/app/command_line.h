@@ -63,6 +63,8 @@ class Command {
   /// Sets the description at the top of the help; without, the help shows the summary there.
   void Describe(const std::string& text) const;
   void Examples(const std::string& text) const;
+  /// The help does not name it.
+  void Hide() const;
   /// One of the subcommands has to be called.
   void NeedsSubcommand() const;
   /// Sets the function that runs the command. The function returns the exit code.

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "app/app.h"
+#include "app/one_scenario.h"
 #include "base/text.h"
 #include "experiment/records.h"
+#include "fmu/unit.h"
 #include "trace/csv_write.h"
 #include "trace/mat_write.h"
 
@@ -21,7 +23,8 @@ namespace {
 
 struct ExportArguments {
   Common common;
-  std::string trace, to = "csv", out;
+  std::string trace, to = "csv", out, fmu;
+  std::vector<std::string> overrides;
   std::vector<std::string> signals;
   int every = 1;
 };
@@ -61,7 +64,43 @@ std::vector<Raster> RastersOf(const trace::Record& record, const ExportArguments
   return all;
 }
 
+/// A scenario as a unit that other simulators step.
+int ExportFmu(const ExportArguments& arguments) {
+  Diagnostics diagnostics;
+  const std::unique_ptr<Registry> registry = MakeRegistry(arguments.common, diagnostics);
+  const std::optional<std::string> file = OneScenario(arguments.fmu, diagnostics);
+  std::unique_ptr<Prepared> prepared;
+  if (file) prepared = Prepare(*file, {arguments.overrides, "realtime"}, *registry, diagnostics);
+  if (Report(diagnostics) != kGood) return kUsage;
+  const Result<fmu::Fmu> unit = fmu::FmuOf(*prepared);
+  if (!unit.ok()) {
+    Complain(unit.failure().ToString() + "\n");
+    return unit.failure().exit_code;
+  }
+  const std::string out = arguments.out.empty() ? unit->identifier + ".fmu" : arguments.out;
+  if (const Status failed = fmu::Write(out, *unit, prepared->plan)) {
+    Complain(failed->ToString() + "\n");
+    return failed->exit_code;
+  }
+  std::string table =
+      fmt::format("{}\n  FMI 2.0, co-simulation in steps of whole periods of {:g} s\n", out, unit->period_s);
+  for (const auto& [kind, some] : {std::pair("inputs", &unit->inputs), std::pair("outputs", &unit->outputs),
+                                   std::pair("parameters", &unit->parameters)}) {
+    table += fmt::format("\n  {}\n", kind);
+    for (const fmu::Variable& one : *some)
+      table += fmt::format("    {:<40} {:>12.6g} {}\n", one.name, one.start, one.unit);
+  }
+  Print(arguments.common, table);
+  KeepJson({{"files", {out}}});
+  return kGood;
+}
+
 int Export(const ExportArguments& arguments) {
+  if (arguments.trace.empty() == arguments.fmu.empty()) {
+    Complain("dynoproof export: a trace or --fmu SCENARIO, one of both\n");
+    return kUsage;
+  }
+  if (!arguments.fmu.empty()) return ExportFmu(arguments);
   const Result<trace::Record> record = ReadRecord(arguments.trace);
   if (!record.ok()) {
     Complain(record.failure().ToString() + "\n");
@@ -110,17 +149,21 @@ int Export(const ExportArguments& arguments) {
 
 void AddExport(Command program) {
   auto arguments = std::make_shared<ExportArguments>();
-  Command command = program.Subcommand("export", "a trace or record as a file that other tools open");
-  command.Value("trace", arguments->trace, "HDF5, CSV or MAT file").Required();
+  Command command = program.Subcommand("export", "a trace, record or scenario as a file that other tools open");
+  command.Value("trace", arguments->trace, "HDF5, CSV or MAT file");
   command.Value("--to", arguments->to, "csv (a file a raster) or mat (version 4)").OneOf({"csv", "mat"});
-  command.Value("--out", arguments->out, "file (default: the trace's name, here)").NamesFile();
+  command.Value("--out", arguments->out, "file (default: the trace's or scenario's name, here)").NamesFile();
+  const Option fmu = command.Value("--fmu", arguments->fmu,
+                                   "a scenario, id or file, as a Functional Mock-up Unit (FMI 2.0, co-simulation)");
+  command.Value("--set", arguments->overrides, "KEY=VALUE: of the unit's scenario").OneWord().Needs(fmu);
   command.Value("--signals", arguments->signals, "NAME,...: these only").SplitAtCommas().OneWord();
   command.Value("--every", arguments->every, "every n-th row").Within(1, 1000000);
   AddCommon(command, arguments->common);
   command.Examples(
       "  dynoproof export out/my_line.h5 --to csv\n"
       "  dynoproof export out/my_line.h5 --to mat --signals T_shaft,omega_1 --out bench.mat\n"
-      "  dynoproof export out/my_line.h5 --to csv --every 10 --out at_1_kHz.csv");
+      "  dynoproof export out/my_line.h5 --to csv --every 10 --out at_1_kHz.csv\n"
+      "  dynoproof export --fmu heavy_duty/soft_rotor_setup_1 --out line.fmu");
   command.Runs([arguments] { return Export(*arguments); });
 }
 

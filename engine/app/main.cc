@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   app::AddValidate(all);
   app::AddNew(all);
   app::AddExport(all);
+  app::AddFmuServer(all);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

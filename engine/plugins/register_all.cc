@@ -34,6 +34,7 @@
 #include "plugins/plant/charge_air/charge_air.h"
 #include "plugins/plant/drive_line/drive_line.h"
 #include "plugins/plant/engine_bank/engine_bank.h"
+#include "plugins/plant/equations/equations.h"
 #include "plugins/plant/fired_cylinder/fired_cylinder.h"
 #include "plugins/plant/firing_order/firing_order.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
@@ -106,6 +107,7 @@ void RegisterEffects(Registry& registry) {
   registry.Add(effects::InertiaChange());
   registry.Add(effects::Leakage());
   registry.Add(effects::OilDynamics());
+  registry.Add(effects::ParameterChange());
   registry.Add(effects::QuadraticDrag());
   registry.Add(effects::SensorDelay());
   registry.Add(effects::SensorDrift());
@@ -154,6 +156,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<ChargeAir>();
   registry.Add<DriveLine>();
   registry.Add<EngineBank>();
+  registry.Add<Equations>();
   registry.Add<FiredCylinder>();
   registry.Add<FiringOrder>();
   registry.Add<FuelGas>();

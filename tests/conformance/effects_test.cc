@@ -49,6 +49,7 @@ const std::map<std::string, Row> kContract = {
     {"inertia_change", {.parameters = {"delta"}, .scales = true}},
     {"stiffness_change", {.parameters = {"delta"}, .scales = true}},
     {"damping_change", {.parameters = {"delta"}, .scales = true}},
+    {"parameter_change", {.parameters = {"delta"}, .scales = true}},
     {"distributed_inertia",
      {.parameters = {"I", "k_rotor", "c_rotor"},
       .neutral = Neutral::kNone,
@@ -84,8 +85,8 @@ const std::map<std::string, Row> kContract = {
 
 // Plans on which each of these effects has a place between them.
 std::vector<Plan> SamplePlans() {
-  return {testing::LumpedPlan(),   testing::SoftPlan(), testing::PlayPlan(),
-          testing::CouplingPlan(), testing::AirPlan(),  testing::GasPlan()};
+  return {testing::LumpedPlan(), testing::SoftPlan(), testing::PlayPlan(),     testing::CouplingPlan(),
+          testing::AirPlan(),    testing::GasPlan(),  testing::EquationsPlan()};
 }
 
 std::vector<double> Starts(const Effect& effect) {

@@ -48,6 +48,8 @@ TEST(RealtimeHeap, NonlinearLawsStagesAndDelays) {
   EXPECT_EQ(AllocationsOfAHundredPeriods(plan), 0);
 }
 
+TEST(RealtimeHeap, EquationsThatAScenarioWritesDown) { EXPECT_EQ(AllocationsOfAHundredPeriods(EquationsPlan()), 0); }
+
 TEST(RealtimeHeap, ContactsInAGap) {
   for (const char* law : {"phase_plane", "full_state_backlash"}) {
     Plan plan = PlayPlan();

@@ -135,6 +135,49 @@ inline Plan GasPlan() {
                              {"x", Value{{"of", "plant.x"}, {"nominal", 1e-3}}}}}});
 }
 
+/// Two bodies on a shaft under a chirp, as a drive line.
+inline Plan TwoBodiesPlan() {
+  return PlanOf(Value{
+      {"run", Value{{"duration_s", 0.5}, {"period_s", 1e-4}}},
+      {"plant", Value{{"type", "drive_line"},
+                      {"inertia", Value{{"A", 0.2}, {"B", 0.3}}},
+                      {"shaft", Value{{"k", Value{{"between", Value::Array{"A", "B"}},
+                                                  {"stiffness_Nm_per_rad", 500.0},
+                                                  {"damping_Nms_per_rad", 0.5}}}}},
+                      {"load", Value{{"bearing", Value{{"on", "B"}, {"law", "viscous"}, {"b_Nms_per_rad", 0.1}}}}},
+                      {"torque", Value{{"T", Value{{"on", "A"}}}}}}},
+      {"input", Value{{"T", Value{{"to", "plant.T"},
+                                  {"unit", "N m"},
+                                  {"nominal", 5.0},
+                                  {"source", Value{{"type", "chirp"},
+                                                   {"amplitude", 5.0},
+                                                   {"start_Hz", 1.0},
+                                                   {"end_Hz", 30.0},
+                                                   {"duration_s", 0.5}}}}}}},
+      {"output", Value{{"T_shaft", Value{{"of", "plant.k.torque"}, {"nominal", 5.0}}},
+                       {"w_B", Value{{"of", "plant.B.speed"}, {"nominal", 5.0}}}}}});
+}
+
+/// The same, its equations written down.
+inline Plan EquationsPlan() {
+  Plan plan = TwoBodiesPlan();
+  plan.root["plant"] =
+      Value{{"type", "equations"},
+            {"parameter", Value{{"I_A", 0.2}, {"I_B", 0.3}, {"k", 500.0}, {"c", 0.5}}},
+            {"input", Value{{"T", Value{{"unit", "N m"}, {"nominal", 5.0}}}}},
+            {"define", Value{{"T_k", "k*(A - B) + c*rate"}, {"rate", "w_A - w_B"}}},
+            {"state", Value{{"A", Value{{"unit", "rad"}, {"rate", "w_A"}}},
+                            {"B", Value{{"unit", "rad"}, {"rate", "w_B"}}},
+                            {"w_A", Value{{"unit", "rad/s"}, {"rate", "(T - T_k)/I_A"}}},
+                            {"w_B", Value{{"unit", "rad/s"}, {"rate", "(T_k + load_B)/I_B"}}}}},
+            {"output", Value{{"T_shaft", Value{{"unit", "N m"}, {"value", "T_k"}}}}},
+            {"body", Value{{"B", Value{{"position", "B"}, {"speed", "w_B"}}}}},
+            {"load", Value{{"bearing", Value{{"on", "B"}, {"law", "viscous"}, {"b_Nms_per_rad", 0.1}}}}}};
+  plan.root["output"]["T_shaft"]["of"] = Value("plant.T_shaft");
+  plan.root["output"]["w_B"]["of"] = Value("plant.w_B");
+  return plan;
+}
+
 /// A plan without any mechanics.
 inline Plan PressurePlan() {
   return PlanOf(Value{{"plant", Value{{"type", "charge_air"}, {"inertia", Value{{"I1", 1.0}}}}}});

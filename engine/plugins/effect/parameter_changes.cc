@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "plugins/effect/plan_edit.h"
@@ -9,11 +10,11 @@
 namespace dynoproof::effects {
 namespace {
 
-class ParameterChange : public Effect {
+class Scaled : public Effect {
  public:
-  /// `kinds`: the kinds of place; `key`: the value's key there, which a lumped inertia (a bare number) does not need.
-  ParameterChange(std::string name, std::string what, double upper, std::vector<std::string> kinds, std::string key,
-                  Points starts)
+  /// `kinds`: the kinds of place; `key`: the value's key there, which a lumped inertia or a parameter (a bare number) does not need.
+  Scaled(std::string name, std::string what, double upper, std::vector<std::string> kinds, std::string key,
+         Points starts)
       : kinds_(std::move(kinds)), key_(std::move(key)), starts_(std::move(starts)) {
     // Below 10 % of the nominal value the model is wrong in kind, not in a number. The start is off 0 by what a data
     // sheet is usually off by, so that a relative step of a fit changes something.
@@ -25,8 +26,9 @@ class ParameterChange : public Effect {
 
   std::vector<Place> Places(const Plan& plan) const override {
     std::vector<Place> places;
-    if (!PlantOf(plan).drive_line) return places;
+    const PlantTraits& plant = PlantOf(plan);
     for (const std::string& kind : kinds_) {
+      if (!plant.drive_line && std::ranges::count(plant.sections, kind) == 0) continue;
       for (const std::string& name : NamesIn(plan, kind)) {
         const Value* value = plan.root.FindPath(ScaledIn(plan, {kind, name, ""}));
         if (value != nullptr && value->is_number() && value->number() != 0.0) places.push_back({kind, name, ""});
@@ -44,8 +46,8 @@ class ParameterChange : public Effect {
   Points Starts(const Plan&, const Place&, const Magnitudes&) const override { return starts_; }
 
   std::string ScaledParameter(const Place& place) const override {
-    return fmt::format("plant.{}.{}{}{}", place.kind, place.name, place.kind == "inertia" ? "" : ".",
-                       place.kind == "inertia" ? "" : key_);
+    const bool is_number = place.kind == "inertia" || place.kind == "parameter";
+    return fmt::format("plant.{}.{}{}{}", place.kind, place.name, is_number ? "" : ".", is_number ? "" : key_);
   }
 
  private:
@@ -61,22 +63,24 @@ Points MovedResonance() { return {{0.02}, {-0.5}, {-0.3}, {-0.2}, {-0.1}, {0.1},
 
 std::unique_ptr<Effect> InertiaChange() {
   // A flange or a coupling left on can double a small inertia and more.
-  return std::make_unique<ParameterChange>("inertia_change", "inertia", 4.0,
-                                           std::vector<std::string>{"inertia", "rotor"}, "inertia_kg_m2",
-                                           MovedResonance());
+  return std::make_unique<Scaled>("inertia_change", "inertia", 4.0, std::vector<std::string>{"inertia", "rotor"},
+                                  "inertia_kg_m2", MovedResonance());
 }
 
 std::unique_ptr<Effect> StiffnessChange() {
-  return std::make_unique<ParameterChange>("stiffness_change", "stiffness", 4.0,
-                                           std::vector<std::string>{"shaft", "rotor"}, "stiffness_Nm_per_rad",
-                                           MovedResonance());
+  return std::make_unique<Scaled>("stiffness_change", "stiffness", 4.0, std::vector<std::string>{"shaft", "rotor"},
+                                  "stiffness_Nm_per_rad", MovedResonance());
 }
 
 std::unique_ptr<Effect> DampingChange() {
   // Dampings are the least known numbers of a drive line: the thesis finds 5.5 beside 125 N m s/rad on one line (A.7).
-  return std::make_unique<ParameterChange>("damping_change", "damping", 49.0,
-                                           std::vector<std::string>{"shaft", "rotor"}, "damping_Nms_per_rad",
-                                           Points{{0.2}, {2.0}});
+  return std::make_unique<Scaled>("damping_change", "damping", 49.0, std::vector<std::string>{"shaft", "rotor"},
+                                  "damping_Nms_per_rad", Points{{0.2}, {2.0}});
+}
+
+std::unique_ptr<Effect> ParameterChange() {
+  return std::make_unique<Scaled>("parameter_change", "parameter", 4.0, std::vector<std::string>{"parameter"}, "",
+                                  MovedResonance());
 }
 
 }  // namespace dynoproof::effects

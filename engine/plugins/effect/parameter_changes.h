@@ -13,5 +13,7 @@ std::unique_ptr<Effect> InertiaChange();
 std::unique_ptr<Effect> StiffnessChange();
 /// The same for damping_Nms_per_rad.
 std::unique_ptr<Effect> DampingChange();
+/// Places: parameter:NAME of a plant that has a section of parameters (`equations`).
+std::unique_ptr<Effect> ParameterChange();
 
 }  // namespace dynoproof::effects

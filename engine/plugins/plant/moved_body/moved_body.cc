@@ -1,8 +1,6 @@
 #include "plugins/plant/moved_body/moved_body.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
+#include <optional>
 
 namespace dynoproof {
 
@@ -41,85 +39,33 @@ std::unique_ptr<MovedBody> MovedBody::Create(const Params& params, const Value&,
   std::unique_ptr<MovedBody> plant(new MovedBody);
   plant->stiffness_ = params.stiffness_N_per_m;
   plant->damping_ = params.damping_Ns_per_m;
-  plant->transition_ = params.transition_speed_m_per_s;
   plant->area_ = params.area_m2;
   Layout& layout = plant->layout_;
   layout.inputs = {{"x", "m", "position of the body", 0.01}, {"v", "m/s", "its speed", 0.1}};
   if (params.area_m2 > 0.0)
     layout.inputs.push_back({"p", "Pa", "gauge pressure on the piston", params.nominal_force_N / params.area_m2});
   layout.outputs = {{"force", "N", "force that moves the body", params.nominal_force_N}};
-  const int before = context.diagnostics.error_count();
-  const auto fault = [&](const Value& at, const std::string& message, const std::string& hint) {
-    context.diagnostics.Error(at.where(), message, hint, "dynoproof describe moved_body");
-  };
-  for (const auto& [name, table] : params.load) {
-    if (!table.is_table()) {
-      fault(table, fmt::format("load.{} is {}", name, table.KindName()), "write a table");
-      continue;
-    }
-    const Value *on = table.Find("on"), *law = table.Find("law");
-    if (on == nullptr || !on->is_string() || on->string() != params.body)
-      fault(on != nullptr ? *on : table, fmt::format("load \"{}\" does not act on the body", name),
-            fmt::format("write on = \"{}\"", params.body));
-    if (law == nullptr || !law->is_string()) {
-      fault(law != nullptr ? *law : table, fmt::format("\"{}\" names no law", name),
-            "add law = \"viscous\", \"coulomb\", ...");
-      continue;
-    }
-    BuildContext own{context.registry, context.diagnostics,    name,    {"on", "law"},       context.period_s,
-                     context.seed,     params.nominal_force_N, nullptr, Motion::kTranslation};
-    std::unique_ptr<Law> made = context.registry.MakeLaw(law->string(), table, own);
-    if (made == nullptr) continue;
-    if (made->layout().modes > 0 && !made->sticks()) {
-      fault(*law, fmt::format("law \"{}\" has contact to follow, which a moved body does not", law->string()),
-            "put it on a shaft of a drive_line");
-      continue;
-    }
-    for (Port state : made->layout().states) {
-      state.name = name + "." + NameIn(Motion::kTranslation, state.name);
-      state.unit = UnitIn(Motion::kTranslation, state.unit);
-      layout.states.push_back(std::move(state));
-    }
-    plant->loads_.push_back({std::move(made), layout.states.size()});
-    plant->loads_.back().state -= plant->loads_.back().law->layout().states.size();
-  }
-  return context.diagnostics.error_count() == before ? std::move(plant) : nullptr;
-}
-
-LawView MovedBody::ViewOf(const View& view, const Load& load) const {
-  return {view.time_s,
-          view.inputs[0],
-          view.inputs[1],
-          0.0,
-          view.states.subspan(load.state, load.law->layout().states.size()),
-          {}};
+  std::optional<SlidingLoads> loads =
+      SlidingLoads::Of(params.load, {{params.body, params.transition_speed_m_per_s, params.nominal_force_N}},
+                       "moved_body", Motion::kTranslation, context, layout);
+  if (!loads) return nullptr;
+  plant->loads_ = *std::move(loads);
+  return plant;
 }
 
 void MovedBody::Start(std::span<const double> inputs, std::span<double> states, std::span<int>) const {
-  const double x = inputs.empty() ? 0.0 : inputs[0], v = inputs.empty() ? 0.0 : inputs[1];
-  for (const Load& load : loads_) {
-    if (!load.law->sticks()) load.law->Start(x, v, states.subspan(load.state, load.law->layout().states.size()), {});
-  }
+  loads_.Start(0, inputs.empty() ? 0.0 : inputs[0], inputs.empty() ? 0.0 : inputs[1], states);
 }
 
 void MovedBody::Output(const View& view, std::span<double> outputs) const {
-  const double v = view.inputs[1];
-  const double slips = transition_ > 0.0 ? std::tanh(std::abs(v) / transition_) : 1.0;
-  outputs[0] = stiffness_ * view.inputs[0] + damping_ * v;
+  const double x = view.inputs[0], v = view.inputs[1];
+  outputs[0] = stiffness_ * x + damping_ * v;
   if (area_ > 0.0) outputs[0] += area_ * view.inputs[2];
-  for (const Load& load : loads_) {
-    const LawView at = ViewOf(view, load);
-    if (!load.law->sticks()) {
-      outputs[0] += load.law->Torque(at);
-    } else if (v != 0.0) {
-      outputs[0] += slips * load.law->SlipTorque(at, v > 0.0 ? 1 : -1);
-    }
-  }
+  outputs[0] += loads_.Torque(0, x, v, view);
 }
 
 void MovedBody::Derivative(const View& view, std::span<double> rates) const {
-  for (const Load& load : loads_)
-    load.law->Derivative(ViewOf(view, load), rates.subspan(load.state, load.law->layout().states.size()));
+  loads_.Derivative(0, view.inputs[0], view.inputs[1], view, rates);
 }
 
 }  // namespace dynoproof

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "model/component.h"
-#include "model/law.h"
 #include "model/motion.h"
 #include "model/registry.h"
+#include "plugins/plant/sliding_loads.h"
 
 namespace dynoproof {
 
@@ -52,14 +52,9 @@ class MovedBody : public Component {
 
  private:
   MovedBody() = default;
-  struct Load {
-    std::unique_ptr<Law> law;
-    std::size_t state;  // offset
-  };
-  LawView ViewOf(const View& view, const Load& load) const;
 
-  double stiffness_ = 0.0, damping_ = 0.0, transition_ = 0.0, area_ = 0.0;
-  std::vector<Load> loads_;
+  double stiffness_ = 0.0, damping_ = 0.0, area_ = 0.0;
+  SlidingLoads loads_;
 };
 
 }  // namespace dynoproof
