@@ -37,6 +37,7 @@
 #include "plugins/plant/equations/equations.h"
 #include "plugins/plant/fired_cylinder/fired_cylinder.h"
 #include "plugins/plant/firing_order/firing_order.h"
+#include "plugins/plant/fmu/fmu.h"
 #include "plugins/plant/fuel_gas/fuel_gas.h"
 #include "plugins/plant/induction_machine/induction_machine.h"
 #include "plugins/plant/moved_body/moved_body.h"
@@ -158,6 +159,7 @@ void RegisterPlants(Registry& registry) {
   registry.Add<EngineBank>();
   registry.Add<Equations>();
   registry.Add<FiredCylinder>();
+  registry.Add<FmuPlant>();
   registry.Add<FiringOrder>();
   registry.Add<FuelGas>();
   registry.Add<InductionMachine>();

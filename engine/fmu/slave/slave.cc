@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "base/fmi2.h"
 #include "fmu/frames.h"
-#include "fmu/slave/fmi2.h"
 
 #define FMU_EXPORT extern "C" __attribute__((visibility("default")))
 

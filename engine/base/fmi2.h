@@ -1,4 +1,4 @@
-// The types and functions of the Functional Mock-up Interface 2.0 for co-simulation (modelica.org/fmi), as its document defines them.
+// Types of the Functional Mock-up Interface 2.0 (fmi-standard.org), as its document defines them.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +26,12 @@ struct fmi2CallbackFunctions {
   void (*freeMemory)(void*);
   void (*stepFinished)(fmi2ComponentEnvironment, fmi2Status);
   fmi2ComponentEnvironment componentEnvironment;
+};
+
+struct fmi2EventInfo {
+  fmi2Boolean newDiscreteStatesNeeded, terminateSimulation, nominalsOfContinuousStatesChanged,
+      valuesOfContinuousStatesChanged, nextEventTimeDefined;
+  fmi2Real nextEventTime;
 };
 
 }  // extern "C"
