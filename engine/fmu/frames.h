@@ -21,7 +21,7 @@ inline constexpr int kSocket = 3;
 enum Kind : std::uint32_t {
   // Questions. Each has one answer.
   kDescribe = 1,  // -> kNumbers: period [s], how many inputs, outputs and parameters, what each of these begins with
-  kBegin,         // the parameters -> kNumbers: the outputs at t = 0
+  kBegin,         // the inputs at t = 0, the parameters -> kNumbers: the outputs at t = 0
   kStep,          // how many periods, the inputs that are held meanwhile -> kNumbers: the outputs at the end
   // Answers.
   kNumbers,

@@ -17,7 +17,7 @@ class Held : public Component {
 
 }  // namespace
 
-Result<std::unique_ptr<Run>> Run::Of(const Plan& plan, const Registry& registry) {
+Result<std::unique_ptr<Run>> Run::Of(const Plan& plan, const Registry& registry, std::span<const double> first) {
   Diagnostics diagnostics;
   std::unique_ptr<Run> run(new Run());
   run->scenario_ = Prepare(plan, {}, registry, diagnostics);
@@ -26,9 +26,9 @@ Result<std::unique_ptr<Run>> Run::Of(const Plan& plan, const Registry& registry)
   run->inputs_.reserve(rig.inputs.size());  // sources refer to them
   for (InputLine& line : rig.inputs) {
     if (!line.source) continue;
-    double first = 0.0;
-    line.source->Output({0.0, {}, {}, {}}, {&first, 1});
-    run->inputs_.push_back(first);
+    double value = 0.0;
+    line.source->Output({0.0, {}, {}, {}}, {&value, 1});
+    run->inputs_.push_back(run->inputs_.size() < first.size() ? first[run->inputs_.size()] : value);
     line.source = std::make_unique<Held>(run->inputs_.back());
   }
   Result<std::unique_ptr<Solver>> solver = MakeRealtimeSolver(rig);

@@ -14,9 +14,10 @@ namespace dynoproof::fmu {
 
 class Run {
  public:
-  /// Started at t = 0. Inputs that the scenario's sources drive are driven by inputs() from now on, which begins with what the sources
-  /// give at t = 0. Fails where the plan is faulty or the run breaks.
-  static Result<std::unique_ptr<Run>> Of(const Plan& plan, const Registry& registry);
+  /// Started at t = 0. Inputs that the scenario's sources drive are driven by inputs() from now on, which begins with `first` or, where that
+  /// is empty, with what the sources give at t = 0. Fails where the plan is faulty or the run breaks.
+  static Result<std::unique_ptr<Run>> Of(const Plan& plan, const Registry& registry,
+                                         std::span<const double> first = {});
 
   std::span<double> inputs() { return inputs_; }
   std::size_t outputs() const { return scenario_->rig->outputs.size(); }

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "experiment/drive_by_record.h"
 #include "fmu/frames.h"
@@ -50,14 +52,19 @@ class Server {
     return Send(socket_, kNumbers, answer);
   }
 
-  bool Begin(const std::vector<double>& parameters) {
-    if (parameters.size() != unit_.parameters.size()) return Send(socket_, kFault, "another number of parameters");
+  bool Begin(const std::vector<double>& numbers) {
+    const std::size_t inputs = unit_.inputs.size();
+    if (numbers.size() != inputs + unit_.parameters.size())
+      return Send(socket_, kFault, "another number of inputs and parameters");
+    const std::span<const double> first(numbers.data(), inputs);
+    if (const std::string wrong = NotFinite(first); !wrong.empty()) return Send(socket_, kFault, wrong);
     Plan plan = plan_;
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
+    for (std::size_t i = 0; i < unit_.parameters.size(); ++i) {
       // What is as it was written stays as it was written.
-      if (parameters[i] != unit_.parameters[i].start) WriteNumber(plan.root, unit_.parameters[i].name, parameters[i]);
+      const Variable& own = unit_.parameters[i];
+      if (numbers[inputs + i] != own.start) WriteNumber(plan.root, own.name, numbers[inputs + i]);
     }
-    Result<std::unique_ptr<Run>> run = Run::Of(plan, registry_);
+    Result<std::unique_ptr<Run>> run = Run::Of(plan, registry_, first);
     if (!run.ok()) return Fault(run.failure());
     run_ = *std::move(run);
     return TellOutputs();
@@ -66,13 +73,19 @@ class Server {
   bool Step(const std::vector<double>& numbers) {
     if (run_ == nullptr) return Send(socket_, kFault, "nothing has begun");
     if (numbers.size() != 1 + run_->inputs().size()) return Send(socket_, kFault, "another number of inputs");
-    for (std::size_t i = 0; i < run_->inputs().size(); ++i) {
-      if (!std::isfinite(numbers[i + 1]))
-        return Send(socket_, kFault, fmt::format("input {} is {}", unit_.inputs[i].name, numbers[i + 1]));
-      run_->inputs()[i] = numbers[i + 1];
-    }
+    const std::span<const double> held = std::span(numbers).subspan(1);
+    if (const std::string wrong = NotFinite(held); !wrong.empty()) return Send(socket_, kFault, wrong);
+    std::ranges::copy(held, run_->inputs().begin());
     if (const Status broken = run_->Advance(std::llround(numbers[0]))) return Fault(*broken);
     return TellOutputs();
+  }
+
+  /// Which input is no number; empty: all are.
+  std::string NotFinite(std::span<const double> inputs) const {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (!std::isfinite(inputs[i])) return fmt::format("input {} is {}", unit_.inputs[i].name, inputs[i]);
+    }
+    return "";
   }
 
   bool TellOutputs() {

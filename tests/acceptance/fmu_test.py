@@ -153,6 +153,41 @@ class Fmu(Steps):
             self.assertEqual(0.0, np.abs(rows[:, k] - run[name]).max(), name)
         self.assertGreater(np.abs(rows[:, 1]).max(), 0.1)
 
+    def test_begins_with_what_was_set_before(self):
+        """An output that follows its input at once, and one behind a parameter."""
+        self.write("through.toml", """title = "A gain"
+[run]
+duration_s = 0.1
+period_s = 1e-3
+[plant]
+type = "equations"
+[plant.parameter]
+g = 2.0
+[plant.input]
+u = { unit = "1" }
+[plant.state]
+x = { rate = "u - x" }
+[plant.output]
+y = { value = "g*u + x" }
+[input.u]
+to = "plant.u"
+source = { type = "constant", value = 0.5 }
+[output.y]
+of = "plant.y"
+[output.x]
+of = "plant.x"
+""")
+        self.shell("dynoproof export --fmu through.toml --out through.fmu")
+        unit = Unit(self.folder / "through.fmu", self.folder / "through")
+        plain, told = unit.instance(), unit.instance()
+        self.assertEqual(OK, plain.begin())
+        self.assertEqual([1.0], plain.get("y"))
+        self.assertEqual(OK, told.set(u=3.0))
+        self.assertEqual(OK, told.begin(plant__parameter__g=4.0))
+        self.assertEqual([12.0, 0.0], told.get("y", "x"))
+        plain.end()
+        told.end()
+
     def test_takes_parameters_steps_of_many_periods_and_a_second_instance(self):
         one, other = self.unit.instance(name="one"), self.unit.instance(name="other")
         self.assertEqual((OK, OK), (one.begin(), other.begin(plant__parameter__l_m=0.6)))

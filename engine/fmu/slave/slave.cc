@@ -223,9 +223,9 @@ class Instance {
   }
 
   fmi2Status Begin() {
-    if (!Ask(dynoproof::fmu::kBegin,
-             {values_.begin() + static_cast<std::ptrdiff_t>(inputs_ + outputs_), values_.end()}))
-      return fmi2Error;
+    std::vector<double> question(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(inputs_));
+    question.insert(question.end(), values_.begin() + static_cast<std::ptrdiff_t>(inputs_ + outputs_), values_.end());
+    if (!Ask(dynoproof::fmu::kBegin, question)) return fmi2Error;
     begun_ = true;
     return fmi2OK;
   }
