@@ -155,6 +155,15 @@ TEST(Equations, TellEveryFaultAtOnceWithItsRemedy) {
     EXPECT_THAT(built.faults, HasSubstr(told));
 }
 
+/// What the parser itself refuses is a fault like others.
+TEST(Equations, ThatAreTooLongAreRefused) {
+  std::string sum = "x";
+  for (int i = 0; i < 20'000; ++i) sum += "+x";
+  for (const std::string& text : {sum, std::string(50'000, '(') + "1" + std::string(50'000, ')')})
+    EXPECT_THAT(PlantOf({{"state", Value{{"x", State(text.c_str())}}}}).faults, HasSubstr("is no expression"));
+  EXPECT_THAT(PlantOf({{"state", Value{{"x", State("sin")}}}}).faults, HasSubstr("write sin(...)"));
+}
+
 TEST(Equations, WithoutStatesAreNone) {
   EXPECT_THAT(PlantOf({{"state", Value()}}).faults, HasSubstr("a plant without states"));
 }

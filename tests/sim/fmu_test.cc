@@ -173,6 +173,23 @@ TEST_F(Fmu, TellsWhatIsNoUnitOrNotTakenByOne) {
   EXPECT_THAT(FaultsOf({{"file", unit}, {"parameter", Value{{"I_A", -1.0}}}}), HasSubstr("does not initialize"));
 }
 
+/// A library of which a byte has changed would run as whatever it is then.
+TEST_F(Fmu, WithAChangedByteIsRefused) {
+  const std::string unit = UnitWith(kDescription);
+  std::ifstream in(unit, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  int refused = 0;
+  for (std::size_t at = whole.size() / 10; at < whole.size() / 2; at += whole.size() / 50) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 4);
+    const std::string path = (folder_ / "changed.fmu").string();
+    std::ofstream(path, std::ios::binary) << changed;
+    EXPECT_THAT(FaultsOf({{"file", path}}), HasSubstr("cannot be unpacked")) << at;
+    ++refused;
+  }
+  EXPECT_GE(refused, 20);
+}
+
 /// What a unit refuses is no number.
 TEST_F(Fmu, ThatRefusesAStateGivesNoNumber) {
   const auto plant = Build("plant", Value{{"type", "fmu"}, {"file", UnitWith(kDescription)}});

@@ -19,6 +19,12 @@ constexpr const char* kTime = "t";
 
 std::string LoadOf(const std::string& body) { return "load_" + body; }
 
+/// As much of an expression as a message shows.
+std::string Shown(const std::string& text) {
+  constexpr std::size_t kMost = 60;
+  return text.size() <= kMost ? text : text.substr(0, kMost) + "...";
+}
+
 bool IsIdentifier(const std::string& name) {
   const auto letter = [](unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
   return !name.empty() && letter(static_cast<unsigned char>(name[0])) &&
@@ -143,10 +149,12 @@ class Equations::Builder {
       all.insert(all.end(), Expression::Functions().begin(), Expression::Functions().end());
       const std::optional<std::string> near = Closest(used, all);
       const bool elsewhere = names_.contains(used);
-      Fault(path, fmt::format("\"{}\" is not known in \"{}\"", used, text),
-            elsewhere ? "the motion of a body is an expression of t, states and parameters alone"
-            : near    ? fmt::format("did you mean \"{}\"?", *near)
-                      : "write it as a parameter, an input, a state or a definition");
+      const bool function = std::ranges::count(Expression::Functions(), used) > 0;
+      Fault(path, fmt::format("\"{}\" is not known in \"{}\"", used, Shown(text)),
+            function    ? fmt::format("a function: write {}(...)", used)
+            : elsewhere ? "the motion of a body is an expression of t, states and parameters alone"
+            : near      ? fmt::format("did you mean \"{}\"?", *near)
+                        : "write it as a parameter, an input, a state or a definition");
     }
     for (const std::string& called : Expression::CalledIn(text)) {
       if (std::ranges::count(Expression::Functions(), called) > 0) continue;
@@ -159,7 +167,7 @@ class Equations::Builder {
     if (!known) return nullptr;
     Result<std::unique_ptr<Expression>> expression = Expression::Of(text, numbers, constants_);
     if (expression.ok()) return *std::move(expression);
-    Fault(path, fmt::format("\"{}\" is no expression: {}", text, expression.failure().message),
+    Fault(path, fmt::format("\"{}\" is no expression: {}", Shown(text), expression.failure().message),
           fmt::format("operators + - * / ^, comparisons, a ? b : c, functions {}",
                       fmt::join(Expression::Functions(), " ")));
     return nullptr;

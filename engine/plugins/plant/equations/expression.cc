@@ -41,7 +41,7 @@ const std::pair<const char*, Two> kOfTwo[] = {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A parser that knows the functions and pi, and nothing else.
+/// A parser that knows the functions and pi, and nothing else. Throws where the text is too long for it.
 std::unique_ptr<mu::Parser> ParserOf(const std::string& text) {
   auto parser = std::make_unique<mu::Parser>();
   parser->ClearFun();
@@ -70,8 +70,10 @@ std::string Told(const mu::Parser::exception_type& fault, const std::string& tex
   std::string message = fault.GetMsg();
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
   const int at = fault.GetPos();
-  if (at <= 0 || static_cast<std::size_t>(at) >= text.size()) return message;
-  return fmt::format("{} (behind \"{}\")", message, text.substr(0, static_cast<std::size_t>(at)));
+  constexpr std::size_t kMost = 60;  // that a message shows
+  const auto end = static_cast<std::size_t>(std::max(0, at));
+  if (end == 0 || end >= text.size()) return message.substr(0, 3 * kMost);
+  return fmt::format("{} (behind \"{}\")", message, text.substr(end - std::min(end, kMost), std::min(end, kMost)));
 }
 
 }  // namespace
@@ -91,8 +93,8 @@ const std::vector<std::string>& Expression::Functions() {
 
 std::set<std::string> Expression::NamesIn(const std::string& text) {
   std::set<std::string> names;
-  const std::unique_ptr<mu::Parser> parser = ParserOf(text);
   try {
+    const std::unique_ptr<mu::Parser> parser = ParserOf(text);
     for (const auto& [name, value] : parser->GetUsedVar()) names.insert(name);
   } catch (const mu::Parser::exception_type&) {
     // Of() says what is wrong.
@@ -112,8 +114,8 @@ Result<std::unique_ptr<Expression>> Expression::Of(const std::string& text,
                                                    const std::map<std::string, double>& constants) {
   if (Assigns(text)) return Failure{"an expression assigns nothing; equal is =="};
   std::unique_ptr<Expression> expression(new Expression());
-  expression->parser_ = ParserOf(text);
   try {
+    expression->parser_ = ParserOf(text);
     for (const auto& [name, value] : numbers) expression->parser_->DefineVar(name, value);
     for (const auto& [name, value] : constants) expression->parser_->DefineConst(name, value);
     (void)expression->parser_->Eval();  // compiles it

@@ -46,9 +46,12 @@ std::string Unpack(const std::string& path, const fs::path& folder) {
     fs::create_directories((folder / name).parent_path(), error);
     std::string bytes(stat.size, '\0');
     zip_file_t* file = zip_fopen_index(archive, static_cast<zip_uint64_t>(i), 0);
+    // The sum of its bytes is compared once its end is met.
+    char beyond = 0;
     const bool read = file != nullptr &&
                       zip_fread(file, bytes.data(), bytes.size()) == static_cast<zip_int64_t>(bytes.size()) &&
-                      zip_fclose(file) == 0;
+                      zip_fread(file, &beyond, 1) == 0;
+    if (file != nullptr) zip_fclose(file);
     std::ofstream out(folder / name, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!read || !out.flush()) fault = fmt::format("\"{}\" of the archive cannot be unpacked", stat.name);
