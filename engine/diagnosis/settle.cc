@@ -64,16 +64,18 @@ bool LeavesFarMore(const std::vector<HeldOut>& held_out, std::size_t i, std::siz
   return own && other && !own->exact && own->log_excess > other->log_excess + std::log(policy::kMarginBest);
 }
 
-/// Whether data that took no part bear a cause out. Where the null predicts them about as well as the cause, and both to the noise or far
-/// better than the plan as given, they do not tell the two apart: then the training data have to do so plainly. A share of what the null
-/// leaves says nothing there: that is what no model here explains.
+/// Whether data that took no part bear a cause out that leaves nothing but noise on the others: they too show noise alone, or nearly nothing
+/// of what the null leaves. Where the null predicts them about as well as the cause, and both to the noise or far better than the plan as
+/// given, they do not tell the two apart: then the training data have to do so plainly. A share of what the null leaves says nothing
+/// there: that is what no model here explains.
 bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::size_t level, double training_share) {
   const std::optional<double> share = HeldOutShare(held_out, i, level);
   if (!share) return false;
   const std::optional<LeftThere>& own = held_out[i][level];
   const bool no_question = own->exact || 1.0 - std::exp(own->log_excess) >= policy::kBothPredict;
   const bool alike = no_question && !LeavesFarMore(held_out, i, 0, level);
-  return *share >= policy::kHeldOutPrior || (alike && training_share >= policy::kMost);
+  return *share >= (own->exact ? policy::kHeldOutPrior : policy::kNearlyAll) ||
+         (alike && training_share >= policy::kMost);
 }
 
 /// Whether the nominal values of a model are so much nearer to their priors than those of another one that is exact, too.
@@ -175,10 +177,16 @@ Settled SettleByWeights(const Contest& contest, const Levels& levels, const std:
     settled.verdict = null && only_here.empty() ? Conclusion::kNoEffect : Conclusion::kUnexplained;
     if (!only_here.empty()) {
       settled.best = only_here.front();
-      settled.reason = fmt::format(
-          "{} leaves nothing but noise, but does not gain on the hold-out: there the model without it, its nominal "
-          "values fitted, is as good",
-          all[*settled.best].Name());
+      const double share = HeldOutShare(held_out, *settled.best, level).value_or(0.0);
+      settled.reason =
+          share >= policy::kHeldOutPrior
+              ? fmt::format(
+                    "{} leaves nothing but noise, but on the hold-out more than that: {:.0f} % are explained there",
+                    all[*settled.best].Name(), 100.0 * share)
+              : fmt::format(
+                    "{} leaves nothing but noise, but does not gain on the hold-out: there the model without it, its "
+                    "nominal values fitted, is as good",
+                    all[*settled.best].Name());
     } else {
       settled.reason = null ? "the nominal model leaves nothing but noise, and no effect removes a share of it"
                             : "what leaves nothing but noise has its number on a bound, or is beaten by another model";

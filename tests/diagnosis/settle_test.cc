@@ -153,6 +153,7 @@ TEST_F(SettleTest, TwoThatLeaveTheSameAreASetAndFourAreNone) {
 /// Unless it explains nearly all of what is wrong on data that took no part: then a value that they hardly show was pushed by what it did not.
 TEST_F(SettleTest, AtTheEndOneThatNeedsANominalValueOnItsBoundDoesNotStand) {
   Left pushed{"sensor_gain", "output:T_shaft", 0.0, 0.0, 0.3};
+  pushed.at_noise_there = true;
   pushed.off = 2.9;
   EXPECT_EQ(AtTheEnd(SettledOf({pushed, kFar}), contest_).verdict, Conclusion::kEffectFound);
   for (const double end : {3.0, -3.0}) {
@@ -221,6 +222,21 @@ TEST_F(SettleTest, DataThatTookNoPartAndSuitTheNullAsWellDoNotRefuteACause) {
   cause.at_noise_there = true;
   EXPECT_EQ(SettledOf({cause, kFar}, 1.0, 0.01).verdict, Conclusion::kEffectFound)
       << "there is nothing left to be worse by";
+}
+
+/// What leaves nothing but noise on the training data alone has followed these.
+TEST_F(SettleTest, OnDataThatTookNoPartACauseLeavesNoiseOrExplainsNearlyAll) {
+  Left cause = kTruth;
+  cause.held_out = 0.2;
+  const Settled alone = SettledOf({cause, kFar});
+  EXPECT_EQ(alone.verdict, Conclusion::kUnexplained);
+  EXPECT_EQ(alone.best, 1U);
+  EXPECT_NE(alone.reason.find("80 % are explained there"), std::string::npos) << alone.reason;
+  cause.held_out = 0.09;
+  EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kEffectFound);
+  cause.held_out = 0.2;
+  cause.at_noise_there = true;
+  EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kEffectFound);
 }
 
 TEST_F(SettleTest, ANumberOnItsBoundNamesNothing) {
