@@ -436,6 +436,7 @@ std::optional<Answer> Pipeline::FromItsHalves(const Answer& answer, const Contes
   const Contestant& all = contest.contestants[settled.causes.front()];
   double off = OffNominal(all, settled.level);
   if (off < policy::kImplausible) return {};
+  if (Spent()) return Unasked(answer);
   const auto& asked = contest.null().hypothesis.effects();
   std::vector<Contestant> halves;
   for (const estimation::Hypothesis::Applied& effect : all.hypothesis.effects()) {
@@ -465,8 +466,7 @@ Answer Pipeline::Unasked(Answer answer) {
   settled.verdict = Conclusion::kUnexplained;
   settled.reason = fmt::format(
       "{} leaves nothing but noise, but only with nominal values far from their priors, and the search has spent its "
-      "budget before "
-      "it knew of anything nearer",
+      "budget before it knew of anything nearer",
       answer.contest.contestants[*settled.best].Name());
   return answer;
 }

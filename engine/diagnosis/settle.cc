@@ -74,7 +74,7 @@ bool HoldsElsewhere(const std::vector<HeldOut>& held_out, std::size_t i, std::si
   const std::optional<LeftThere>& own = held_out[i][level];
   const bool no_question = own->exact || 1.0 - std::exp(own->log_excess) >= policy::kBothPredict;
   const bool alike = no_question && !LeavesFarMore(held_out, i, 0, level);
-  return *share >= (own->exact ? policy::kHeldOutPrior : policy::kNearlyAll) ||
+  return *share >= (own->exact ? policy::kHeldOutPrior : policy::kBornOut) ||
          (alike && training_share >= policy::kMost);
 }
 

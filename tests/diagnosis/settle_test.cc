@@ -225,16 +225,16 @@ TEST_F(SettleTest, DataThatTookNoPartAndSuitTheNullAsWellDoNotRefuteACause) {
 }
 
 /// What leaves nothing but noise on the training data alone has followed these.
-TEST_F(SettleTest, OnDataThatTookNoPartACauseLeavesNoiseOrExplainsNearlyAll) {
+TEST_F(SettleTest, OnDataThatTookNoPartACauseLeavesNoiseOrExplainsMostOfTheError) {
   Left cause = kTruth;
-  cause.held_out = 0.2;
+  cause.held_out = 0.3;
   const Settled alone = SettledOf({cause, kFar});
   EXPECT_EQ(alone.verdict, Conclusion::kUnexplained);
   EXPECT_EQ(alone.best, 1U);
-  EXPECT_NE(alone.reason.find("80 % are explained there"), std::string::npos) << alone.reason;
-  cause.held_out = 0.09;
+  EXPECT_NE(alone.reason.find("70 % are explained there"), std::string::npos) << alone.reason;
+  cause.held_out = 0.19;
   EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kEffectFound);
-  cause.held_out = 0.2;
+  cause.held_out = 0.3;
   cause.at_noise_there = true;
   EXPECT_EQ(SettledOf({cause, kFar}).verdict, Conclusion::kEffectFound);
 }
