@@ -60,7 +60,7 @@ class Server {
     if (const std::string wrong = NotFinite(first); !wrong.empty()) return Send(socket_, kFault, wrong);
     Plan plan = plan_;
     for (std::size_t i = 0; i < unit_.parameters.size(); ++i) {
-      // What is as it was written stays as it was written.
+      // A parameter that the importer has not changed keeps the scenario's digits.
       const Variable& own = unit_.parameters[i];
       if (numbers[inputs + i] != own.start) WriteNumber(plan.root, own.name, numbers[inputs + i]);
     }

@@ -155,7 +155,7 @@ TEST(Equations, TellEveryFaultAtOnceWithItsRemedy) {
     EXPECT_THAT(built.faults, HasSubstr(told));
 }
 
-/// What the parser itself refuses is a fault like others.
+/// The parser's own limits are told as faults of the scenario.
 TEST(Equations, ThatAreTooLongAreRefused) {
   std::string sum = "x";
   for (int i = 0; i < 20'000; ++i) sum += "+x";

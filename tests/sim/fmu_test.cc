@@ -1,7 +1,6 @@
 // A plant that another tool exported: two bodies on a shaft in a unit of their own, beside the drive line of the same numbers; and what is
 // told of files that are no such units.
 #include <gmock/gmock.h>
-#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include "tests/support/build.h"
 #include "tests/support/plan_builder.h"
 #include "tests/support/run_plan.h"
+#include "tests/support/temp_dir.h"
 
 namespace dynoproof::testing {
 namespace {
@@ -50,13 +50,6 @@ constexpr const char* kDescription = R"xml(<?xml version="1.0" encoding="UTF-8"?
 
 class Fmu : public ::testing::Test {
  protected:
-  Fmu() {
-    std::string folder = (std::filesystem::temp_directory_path() / "fmu_test_XXXXXX").string();
-    EXPECT_NE(::mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-  }
-  ~Fmu() override { std::filesystem::remove_all(folder_); }
-
   /// A unit of that description, with the library or without one; its path.
   std::string UnitWith(const std::string& description, bool library = true, const char* more = nullptr) {
     const std::string path = (folder_ / ("line" + std::to_string(++units_) + ".fmu")).string();
@@ -99,7 +92,7 @@ class Fmu : public ::testing::Test {
     return a.size() == b.size() && largest > 0.0 ? apart / largest : HUGE_VAL;
   }
 
-  std::filesystem::path folder_;
+  test::TempDir folder_;
   int units_ = 0;
 };
 
@@ -166,7 +159,7 @@ TEST_F(Fmu, TellsWhatIsNoUnitOrNotTakenByOne) {
   EXPECT_THAT(FaultsOf(file(UnitWith(Without(kDescription, "guid=\"{line}\"", "guid=\"other\"")))),
               HasSubstr("cannot be instantiated"));
   EXPECT_THAT(FaultsOf(file(UnitWith(kDescription, true, "../../out.txt"))), HasSubstr("leads out of it"));
-  EXPECT_FALSE(std::filesystem::exists(folder_.parent_path() / "out.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path().parent_path() / "out.txt"));
   const std::string unit = UnitWith(kDescription);
   EXPECT_THAT(FaultsOf({{"file", unit}, {"parameter", Value{{"I_a", 1.0}}}}), HasSubstr("did you mean \"I_A\"?"));
   EXPECT_THAT(FaultsOf({{"file", unit}, {"start", Value{{"x", 1.0}}}}), HasSubstr("it has: A, B, w_A, w_B"));
@@ -190,7 +183,7 @@ TEST_F(Fmu, WithAChangedByteIsRefused) {
   EXPECT_GE(refused, 20);
 }
 
-/// What a unit refuses is no number.
+/// Rates are NaN where the unit refuses a state.
 TEST_F(Fmu, ThatRefusesAStateGivesNoNumber) {
   const auto plant = Build("plant", Value{{"type", "fmu"}, {"file", UnitWith(kDescription)}});
   ASSERT_NE(plant, nullptr);

@@ -360,7 +360,7 @@ FMU_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference[],
   return count == 0 ? fmi2OK : NotThere(c, "strings");
 }
 
-// What the description declares as not there.
+// Functions of capabilities that the description does not declare.
 FMU_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate*) { return NotThere(c, "states to keep"); }
 FMU_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate) { return NotThere(c, "states to keep"); }
 FMU_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate*) { return NotThere(c, "states to keep"); }

@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "plugins/plant/equations/expression.h"
+#include "plugins/plant/parameter_section.h"
 
 namespace dynoproof {
 namespace {
@@ -62,6 +63,12 @@ class Equations::Builder {
   void Fault(const std::string& path, const std::string& message, const std::string& hint = "") {
     const Value* at = table_.FindPath(path);
     context_.diagnostics.Error((at != nullptr ? *at : table_).where(), message, hint, "dynoproof describe equations");
+  }
+
+  /// Expression::NamesIn(), each text read once: a fit builds the same plant many times.
+  const std::set<std::string>& NamesIn(const std::string& text) const {
+    const auto known = names_in_.find(text);
+    return known != names_in_.end() ? known->second : names_in_.emplace(text, Expression::NamesIn(text)).first->second;
   }
 
   /// One name, one meaning.
@@ -128,7 +135,7 @@ class Equations::Builder {
       return;
     }
     open_.push_back(name);
-    for (const std::string& used : Expression::NamesIn(texts_.at(name))) {
+    for (const std::string& used : NamesIn(texts_.at(name))) {
       if (texts_.contains(used)) Order(used);
     }
     open_.pop_back();
@@ -142,7 +149,7 @@ class Equations::Builder {
     for (const auto& [name, value] : numbers) names.push_back(name);
     for (const auto& [name, value] : constants_) names.push_back(name);
     bool known = true;
-    for (const std::string& used : Expression::NamesIn(text)) {
+    for (const std::string& used : NamesIn(text)) {
       if (std::ranges::count(names, used) > 0) continue;
       known = false;
       std::vector<std::string> all = names;
@@ -156,17 +163,19 @@ class Equations::Builder {
             : near      ? fmt::format("did you mean \"{}\"?", *near)
                         : "write it as a parameter, an input, a state or a definition");
     }
+    if (!known) return nullptr;
+    Result<std::unique_ptr<Expression>> expression = Expression::Of(text, numbers, constants_);
+    if (expression.ok()) return *std::move(expression);
+    bool called_well = true;
     for (const std::string& called : Expression::CalledIn(text)) {
       if (std::ranges::count(Expression::Functions(), called) > 0) continue;
-      known = false;
+      called_well = false;
       const std::optional<std::string> near = Closest(called, Expression::Functions());
       Fault(path, fmt::format("there is no function \"{}\"", called),
             near ? fmt::format("did you mean \"{}\"?", *near)
                  : fmt::format("known: {}", fmt::join(Expression::Functions(), ", ")));
     }
-    if (!known) return nullptr;
-    Result<std::unique_ptr<Expression>> expression = Expression::Of(text, numbers, constants_);
-    if (expression.ok()) return *std::move(expression);
+    if (!called_well) return nullptr;
     Fault(path, fmt::format("\"{}\" is no expression: {}", Shown(text), expression.failure().message),
           fmt::format("operators + - * / ^, comparisons, a ? b : c, functions {}",
                       fmt::join(Expression::Functions(), " ")));
@@ -194,7 +203,7 @@ class Equations::Builder {
   }
 
   bool Used(const std::string& name) const {
-    const auto in = [&](const std::string& text) { return Expression::NamesIn(text).contains(name); };
+    const auto in = [&](const std::string& text) { return NamesIn(text).contains(name); };
     return std::ranges::any_of(params_.state, [&](const auto& one) { return in(one.second.rate); }) ||
            std::ranges::any_of(params_.define, [&](const auto& one) { return in(one.second); });
   }
@@ -204,7 +213,7 @@ class Equations::Builder {
     std::map<std::string, std::set<std::string>> inputs_of;
     const std::function<std::set<std::string>(const std::string&)> inputs_in = [&](const std::string& text) {
       std::set<std::string> found;
-      for (const std::string& name : Expression::NamesIn(text)) {
+      for (const std::string& name : NamesIn(text)) {
         found.insert(name);
         if (const auto known = inputs_of.find(name); known != inputs_of.end())
           found.insert(known->second.begin(), known->second.end());
@@ -225,6 +234,7 @@ class Equations::Builder {
   BuildContext& context_;
   std::unique_ptr<Equations> plant_;
   std::set<std::string> names_;
+  mutable std::map<std::string, std::set<std::string>> names_in_;
   std::map<std::string, std::size_t> slots_;
   std::map<std::string, double*> known_, of_motion_;  // in equations; where a body is
   std::map<std::string, double> constants_;
@@ -244,18 +254,11 @@ PluginInfo Equations::Info() {
 PlantTraits Equations::Traits() {
   PlantTraits traits;
   traits.nuisances = [](const Plan& plan) {
-    std::vector<NuisanceParameter> nuisances;
-    const Value* parameters = plan.root.FindPath("plant.parameter");
-    for (const std::string& name : parameters != nullptr ? KeysOf(*parameters) : std::vector<std::string>())
-      // assumed: what a data sheet or a drawing says of masses, stiffnesses and lengths; [prior] says it of each.
-      nuisances.push_back({"plant.parameter." + name, true, 0.02, "a number of a data sheet"});
+    std::vector<NuisanceParameter> nuisances = ParametersInSection(plan);
     const Value* states = plan.root.FindPath("plant.state");
     for (const std::string& name : states != nullptr ? KeysOf(*states) : std::vector<std::string>()) {
       const std::string path = "plant.state." + name;
-      NuisanceParameter start{path + ".start", false, plan.root.NumberOr(path + ".nominal", 1.0),
-                              "a state begins within its usual magnitude", true};
-      start.only_in_motion = true;
-      nuisances.push_back(std::move(start));
+      nuisances.push_back(StartInMotion(path + ".start", plan.root.NumberOr(path + ".nominal", 1.0)));
     }
     const std::vector<NuisanceParameter> loads = LoadSizes(plan);
     nuisances.insert(nuisances.end(), loads.begin(), loads.end());

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/text.h"
+#include "plugins/plant/parameter_section.h"
 
 namespace dynoproof {
 namespace {
@@ -50,18 +51,10 @@ PluginInfo FmuPlant::Info() {
 PlantTraits FmuPlant::Traits() {
   PlantTraits traits;
   traits.nuisances = [](const Plan& plan) {
-    std::vector<NuisanceParameter> nuisances;
-    const Value* parameters = plan.root.FindPath("plant.parameter");
-    for (const std::string& name : parameters != nullptr ? KeysOf(*parameters) : std::vector<std::string>())
-      // assumed: as a data sheet knows it; [prior] says it of each.
-      nuisances.push_back({"plant.parameter." + name, true, 0.02, "a number of a data sheet"});
+    std::vector<NuisanceParameter> nuisances = ParametersInSection(plan);
     if (const std::shared_ptr<const UnitFile> unit = UnitOf(plan)) {
-      for (const UnitVariable& state : unit->states) {
-        NuisanceParameter start{"plant.start." + state.name, false, state.nominal,
-                                "a state begins within its usual magnitude", true};
-        start.only_in_motion = true;
-        nuisances.push_back(std::move(start));
-      }
+      for (const UnitVariable& state : unit->states)
+        nuisances.push_back(StartInMotion("plant.start." + state.name, state.nominal));
     }
     return nuisances;
   };
@@ -170,7 +163,7 @@ void FmuPlant::Output(const View& view, std::span<double> outputs) const {
   std::ranges::copy(view.states, outputs.begin());
   const std::span<double> own = outputs.subspan(view.states.size());
   if (own.empty()) return;
-  // What it refuses is no number, and breaks the run.
+  // Where the unit refuses a state, its outputs are NaN, and the run breaks.
   if (!Look(view) || !Good(file_->functions.get_real(instance_, outputs_.data(), outputs_.size(), own.data())))
     std::ranges::fill(own, std::numeric_limits<double>::quiet_NaN());
 }

@@ -40,7 +40,7 @@ class FmuPlant : public Component {
 
  private:
   explicit FmuPlant(std::shared_ptr<const UnitFile> file);
-  /// What is wrong with parameters or the beginning, or "".
+  /// Makes the instance and initializes it. Returns the fault; empty where there is none.
   std::string Begin(const Params& params);
   /// Tells the unit where it is; whether it took that.
   bool Look(const View& view) const;
