@@ -4,34 +4,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "score/series.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
-/// Runs of the same extreme value: a converter at its end.
+/// Runs of the same value, in samples.
+struct Still {
+  std::size_t first = 0, length = 0;
+  std::size_t end() const { return first + length; }
+};
+std::vector<Still> RunsOf(const std::vector<double>& x, std::size_t shortest) {
+  std::vector<Still> runs;
+  for (std::size_t i = 0; i < x.size();) {
+    std::size_t end = i + 1;
+    while (end < x.size() && x[end] == x[i]) ++end;
+    if (end - i >= shortest) runs.push_back({i, end - i});
+    i = end;
+  }
+  return runs;
+}
+
+/// Whether a signal that else changes with nearly every sample comes to a run from a step as large as its usual ones, or leaves it so: what
+/// comes to rest by itself slows down before, what rests at the beginning or at the end was never seen to come or go.
+bool StopsInMotion(const std::vector<double>& x, const Still& run) {
+  constexpr double kElse = 0.9;  // share of the other steps that change the value
+  if (run.first == 0 || run.end() == x.size()) return false;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    if (i <= run.first || i > run.end()) steps.push_back(std::abs(x[i] - x[i - 1]));
+  }
+  if (steps.size() < run.length) return false;
+  const auto moving = static_cast<double>(std::ranges::count_if(steps, [](double step) { return step > 0.0; }));
+  std::ranges::nth_element(steps, steps.begin() + std::ssize(steps) / 2);
+  const double usual = steps[steps.size() / 2];
+  return moving >= kElse * static_cast<double>(steps.size()) &&
+         std::max(std::abs(x[run.first] - x[run.first - 1]), std::abs(x[run.end()] - x[run.end() - 1])) > usual;
+}
+
+/// Runs of the same extreme value: a converter at its end. A pulse has one, and only one that stops in motion tells; a converter has many.
 void CheckClipping(const trace::Column& column, const std::vector<double>* time, std::vector<Finding>& findings) {
+  constexpr std::size_t kShortest = 4, kAlone = 8;  // samples
   const std::vector<double>& x = column.values;
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  const std::vector<Still> still = RunsOf(x, kShortest);
   for (const double level : {*low, *high}) {
-    std::size_t clipped = 0, runs = 0, first = 0;
-    for (std::size_t i = 0; i < x.size();) {
-      std::size_t end = i;
-      while (end < x.size() && x[end] == level) ++end;
-      if (end - i >= 4) {
-        if (runs++ == 0) first = i;
-        clipped += end - i;
-      }
-      i = std::max(end, i + 1);
-    }
-    // Twice the same run at the extreme value: a pulse has one, a converter at its end many.
-    if (runs < 2 || clipped > x.size() / 2) continue;
-    const double at = time != nullptr ? (*time)[first] : 0.0;
-    findings.push_back(
-        {false, "clipping", column.name,
-         fmt::format("{} samples in {} runs stay at {:.6g}, the first in row {}", clipped, runs, level, first), clipped,
-         at});
+    std::vector<Still> runs;
+    std::ranges::copy_if(still, std::back_inserter(runs), [&](const Still& run) { return x[run.first] == level; });
+    std::size_t clipped = 0;
+    for (const Still& run : runs) clipped += run.length;
+    if (runs.empty() || clipped > x.size() / 2) continue;
+    if (runs.size() < 2 && !(runs[0].length >= kAlone && StopsInMotion(x, runs[0]))) continue;
+    findings.push_back({false, "clipping", column.name,
+                        fmt::format("{} samples in {} run{} stay at {:.6g}, the first in row {}: if the sensor ends "
+                                    "there, tell the scenario, sensor = [{{ type = \"range\", {} }}]",
+                                    clipped, runs.size(), runs.size() > 1 ? "s" : "", level, runs[0].first,
+                                    level == *high ? fmt::format("low = ..., high = {:.6g}", level)
+                                                   : fmt::format("low = {:.6g}, high = ...", level)),
+                        clipped, time != nullptr ? (*time)[runs[0].first] : 0.0});
   }
 }
 
@@ -74,17 +106,13 @@ void CheckFrozen(const trace::Column& column, const std::vector<double>* time, s
   constexpr double kElse = 0.9;      // share of the other steps that change the value
   const std::vector<double>& x = column.values;
   std::size_t still = 0, runs = 0, first = 0, longest = 0, changes = 0;
-  for (std::size_t i = 0; i < x.size();) {
-    std::size_t end = i + 1;
-    while (end < x.size() && x[end] == x[i]) ++end;
-    const std::size_t length = end - i;
-    if (length >= kLong) {
-      if (runs++ == 0) first = i;
-      still += length, longest = std::max(longest, length);
+  for (const Still& run : RunsOf(x, 1)) {
+    if (run.length >= kLong) {
+      if (runs++ == 0) first = run.first;
+      still += run.length, longest = std::max(longest, run.length);
     } else {
       ++changes;
     }
-    i = end;
   }
   if (runs == 0 || 2 * still > x.size() || static_cast<double>(changes) < kElse * static_cast<double>(x.size() - still))
     return;

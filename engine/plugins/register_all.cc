@@ -178,6 +178,7 @@ void RegisterSensors(Registry& registry) {
   registry.Add<stages::Noise>();
   registry.Add<stages::Offset>();
   registry.Add<stages::Quantisation>();
+  registry.Add<stages::Range>();
   registry.Add<stages::Rectified>();
 }
 

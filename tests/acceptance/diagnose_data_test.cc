@@ -1,9 +1,11 @@
 // What `diagnose` makes of the files it is given: hold-outs, saved fits, map files, MAT files, and records with faults
 // that a map could hide.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <matio.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -99,6 +101,29 @@ TEST_F(DiagnosedData, AHoldOutThatBeginsInMotionGetsAStartOfItsOwn) {
     EXPECT_LT(gain["nrmse_after"].get<double>(), 0.02) << signal << gain;
     EXPECT_GT(gain["gain_ci95"][0], 0.5) << signal << gain;
   }
+}
+
+TEST_F(DiagnosedData, ASensorAtItsEndIsTakenForThat) {
+  std::vector<Column> columns = Record({kChanged}, 3);
+  std::vector<double>& torque = columns[2].values;
+  const double end = std::round(0.35 * *std::ranges::max_element(torque));
+  std::size_t beyond = 0;
+  for (double& value : torque) {
+    beyond += std::abs(value) > end ? 1 : 0;
+    value = std::clamp(value, -end, end);
+  }
+  ASSERT_GT(beyond, torque.size() / 20);
+  Write("record.csv", columns);
+  const std::string says = "sensor = [{ type = \"range\", low = ..., high = " + fmt::format("{:.6g}", end) + " }]";
+  const Outcome check = bench_.Call({"check-data", "record.csv"});
+  EXPECT_THAT(check.Both(), HasSubstr(says));
+  const std::string line = ReadBytes(bench_ / "line.toml"), head = "[output.T_shaft]\n";
+  ASSERT_NE(line.find(head), std::string::npos);
+  std::string told = line;
+  told.insert(told.find(head) + head.size(),
+              fmt::format("sensor = [{{ type = \"range\", low = {}, high = {} }}]\n", -end, end));
+  bench_.Write("line.toml", told);
+  ExpectTheInertia(bench_.Json(Diagnose()));
 }
 
 TEST_F(DiagnosedData, InterruptedGoesOnToTheSameVerdict) {

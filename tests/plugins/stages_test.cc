@@ -113,6 +113,8 @@ TEST(Sensors, ValuesByHand) {
   EXPECT_EQ(Map("sensor", {{"type", "offset"}, {"offset", -0.5}}, 2.0), 1.5);
   EXPECT_EQ(Map("sensor", {{"type", "drift"}, {"slope_per_s", 0.25}}, 2.0, 8.0), 4.0);
   EXPECT_EQ(Map("sensor", {{"type", "rectified"}}, -2.0), 2.0);
+  for (const auto& [in, out] : {std::pair{-3.0, -2.0}, {0.5, 0.5}, {7.0, 5.0}})
+    EXPECT_EQ(Map("sensor", {{"type", "range"}, {"low", -2.0}, {"high", 5.0}}, in), out);
   EXPECT_EQ(Map("sensor", {{"type", "quantisation"}, {"step", 0.5}}, 1.2), 1.0);
   EXPECT_EQ(Map("sensor", {{"type", "quantisation"}, {"step", 0.5}}, -1.3), -1.5);
 }

@@ -188,6 +188,7 @@ TEST(Parts, SensorStagesInAnyOrderShowTheSameInstant) {
   const std::map<std::string, Value> stages = {{"gain", Value{{"type", "gain"}, {"gain", 2.0}}},
                                                {"offset", Value{{"type", "offset"}, {"offset", -0.3}}},
                                                {"rectified", Value{{"type", "rectified"}}},
+                                               {"range", Value{{"type", "range"}, {"low", -0.2}, {"high", 0.4}}},
                                                {"first_order_lag", Value{{"type", "first_order_lag"}, {"tau_s", 2e-3}}},
                                                {"delay", Value{{"type", "delay"}, {"delay_s", 2.3e-4}}}};
   for (const auto& [first, a] : stages) {

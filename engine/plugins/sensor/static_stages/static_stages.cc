@@ -8,4 +8,12 @@ PluginInfo Drift::Info() { return {"sensor", "drift", "an error that grows", "ou
 
 PluginInfo Rectified::Info() { return {"sensor", "rectified", "magnitude only", "out = |in|", "definition", {}}; }
 
+PluginInfo Range::Info() {
+  return {"sensor", "range", "an end to what it shows", "out = clamp(in, low, high)", "definition", {}};
+}
+
+void Range::Params::Check(Faults& faults) const {
+  if (!(low < high)) faults.At("high", "the range ends where it begins, or below", "give high above low");
+}
+
 }  // namespace dynoproof::stages

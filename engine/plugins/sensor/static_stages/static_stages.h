@@ -1,5 +1,8 @@
-// Sensor stages without memory: `offset`, `drift`, `rectified`.
+// Sensor stages without memory: `offset`, `drift`, `rectified`, `range`.
 #pragma once
+
+#include <algorithm>
+#include <span>
 
 #include "plugins/stage.h"
 
@@ -47,6 +50,32 @@ class Rectified : public StaticStage {
   Rectified(const Params&, const BuildContext& context) : StaticStage(context.nominal) { layout_.guards = 1; }
   double Map(double, double in) const override { return in < 0.0 ? -in : in; }
   void Guards(const View& view, std::span<double> values) const override { values[0] = view.inputs[0]; }
+};
+
+/// out = in within the range and its nearer end beyond, with guards at the two kinks.
+class Range : public StaticStage {
+ public:
+  struct Params {
+    double low = 0.0, high = 0.0;
+    void Visit(auto& v) {
+      v.Required("low", low, Any(), "smallest value that it shows, in the signal's unit");
+      v.Required("high", high, Any(), "largest value that it shows, in the signal's unit");
+    }
+    void Check(Faults& faults) const;
+  };
+  static PluginInfo Info();
+  Range(const Params& params, const BuildContext& context)
+      : StaticStage(context.nominal), low_(params.low), high_(params.high) {
+    layout_.guards = 2;
+  }
+  double Map(double, double in) const override { return std::clamp(in, low_, high_); }
+  void Guards(const View& view, std::span<double> values) const override {
+    values[0] = view.inputs[0] - low_;
+    values[1] = high_ - view.inputs[0];
+  }
+
+ private:
+  double low_, high_;
 };
 
 }  // namespace dynoproof::stages
