@@ -28,6 +28,15 @@ std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size
   return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast, most);
 }
 
+/// Where a model that was fitted at a level begins at another one: at the null's values there, moved by as much as it has moved them. What the
+/// null itself moves between the two levels is known, and a model that has found nothing begins where the null is.
+VectorXd MovedAlong(const Contestant& one, const Contestant& null, std::size_t level, std::size_t to) {
+  VectorXd from = one.levels[level].q;
+  const VectorXd before = StartFrom(one.hypothesis, null.hypothesis, null.levels[level].q, from),
+                 there = StartFrom(one.hypothesis, null.hypothesis, null.levels[to].q, from);
+  return from + there - before;
+}
+
 }  // namespace
 
 Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Contestant& null, const Levels& levels,
@@ -37,6 +46,7 @@ Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Con
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
   for (std::size_t at = level; at < std::min(level + count, levels.size()); ++at) {
     if (!null.Holds(at)) continue;
+    if (at > level && contestant.Holds(level)) from = MovedAlong(contestant, null, level, at);
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
     contestant.levels[at] = AsLoudAs(null, at,
                                      Fit(model, levels[at], from,
@@ -46,9 +56,7 @@ Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Con
                                           .of_excess = policy::kLookedAt,
                                           .near = true,
                                           .known = known}));
-    if (!contestant.Holds(at)) continue;
-    contestant.share = std::max(contestant.share, ShareOf(contestant, null, levels, at));
-    if (at == level) from = contestant.levels[at].q;
+    if (contestant.Holds(at)) contestant.share = std::max(contestant.share, ShareOf(contestant, null, levels, at));
   }
   for (Estimate& estimate : contestant.levels) estimate.DropRows();  // of some dozen candidates a few are fitted again
   return contestant;

@@ -87,6 +87,7 @@ std::string NameIn(Motion motion, std::string_view name) {
 }
 
 std::string KeyIn(Motion motion, const Value& table, std::string_view key) {
+  if (key.find('_') == std::string_view::npos) return std::string(key);  // a section, which keeps its name
   std::string own = NameIn(motion, key);
   return table.Find(own) == nullptr && table.Find(key) != nullptr ? std::string(key) : own;
 }

@@ -219,6 +219,17 @@ TEST(Motion, NuisancesOfASlidingLineAreThoseOfATurningOne) {
   }
 }
 
+TEST(Motion, SectionsKeepTheirNames) {
+  for (const auto& [name, other] : {std::pair("torque", "force"), {"inertia", "mass"}}) {
+    Value plant = *Sliding(testing::LumpedPlan()).root.Find("plant");
+    plant[other] = *plant.Find(name);
+    plant.Erase(name);
+    std::string faults;
+    EXPECT_EQ(Build("plant", plant, {}, &faults), nullptr);
+    EXPECT_THAT(faults, HasSubstr(std::string("unknown key \"") + other + "\""));
+  }
+}
+
 TEST(Motion, FaultsAreToldInItsKeys) {
   Value plant = *Sliding(testing::PlayPlan()).root.Find("plant");
   plant["shaft"]["k2"].Erase("damping_Ns_per_m");
