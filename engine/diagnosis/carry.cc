@@ -146,6 +146,8 @@ std::vector<std::string> LeftAt(std::span<const Contestant> contestants, const L
       why[i] = fmt::format("removes next to nothing up to {}", levels.Name(level));
     if (!found || !one.Holds(level) || IsExact(one.levels[level])) continue;
     for (std::size_t k = 0; k < contestants.size(); ++k) {
+      // A law contains the plainer one that it refines, and beats it where a fit of that has ended early: the verdict weighs the two.
+      if (Refines(contestants[k], one) && IsNearTheNoise(one.levels[level])) continue;
       if (contestants[k].Holds(level) && IsExact(contestants[k].levels[level]) && weights->Beats(k, i))
         why[i] = fmt::format("beaten at {} by {}, which leaves nothing but noise", levels.Name(level),
                              contestants[k].Name());

@@ -61,7 +61,7 @@ Result<Contest> Compete(Contestant null, bool released, const Levels& levels, co
   Conduct part = conduct;
   part.progress = [&](double share) { conduct.progress(0.1 + 0.4 * share); };
   part.progress(0.0);
-  Looked looked = FirstLook(null, levels, contest.first, magnitudes, registry, part);
+  Looked looked = FirstLook(null, levels, contest.first, magnitudes, registry, part, {.until_exact = true});
   std::vector<Contestant>& ranked = looked.ranked;
   contest.silent = std::move(looked.silent);
   std::size_t kept =

@@ -25,6 +25,12 @@ double PowerError(const ChannelScale& scale, const Channel& channel) {
 
 }  // namespace
 
+bool Refines(const Contestant& refined, const Contestant& plain) {
+  if (refined.hypothesis.effects().empty() || plain.hypothesis.effects().empty()) return false;
+  return refined.place() == plain.place() &&
+         std::ranges::count(refined.effect().info().traits.refines, plain.effect().info().name) > 0;
+}
+
 double TimesNoise(const Estimate& estimate) {
   double largest = 0.0;
   for (const ChannelScale& scale : estimate.scales) largest = std::max(largest, scale.rms / scale.noise_alone);

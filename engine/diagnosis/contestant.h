@@ -26,6 +26,9 @@ struct Contestant {
   bool Holds(std::size_t level) const { return level < levels.size() && levels[level].ok(); }
 };
 
+/// Whether a contestant's law has more numbers than another one's at the same place, which it becomes with some of them at nothing.
+bool Refines(const Contestant& refined, const Contestant& plain);
+
 /// RMS over what noise alone causes, in the channel where that is most.
 double TimesNoise(const estimation::Estimate& estimate);
 /// RMS by channel that noise alone causes.

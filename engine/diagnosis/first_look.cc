@@ -5,12 +5,14 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "diagnosis/carry.h"
 #include "diagnosis/policy.h"
 #include "diagnosis/sketch.h"
 
 namespace dynoproof::diagnosis {
 namespace {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 using estimation::Estimate;
 using estimation::Fit;
@@ -28,25 +30,42 @@ std::size_t WorthFitting(const Contestant& null, const Levels& levels, std::size
   return std::clamp<std::size_t>(static_cast<std::size_t>(chance - order.begin()), policy::kLookedAtLeast, most);
 }
 
-/// Where a model that was fitted at a level begins at another one: at the null's values there, moved by as much as it has moved them. What the
-/// null itself moves between the two levels is known, and a model that has found nothing begins where the null is.
-VectorXd MovedAlong(const Contestant& one, const Contestant& null, std::size_t level, std::size_t to) {
-  VectorXd from = one.levels[level].q;
-  const VectorXd before = StartFrom(one.hypothesis, null.hypothesis, null.levels[level].q, from),
-                 there = StartFrom(one.hypothesis, null.hypothesis, null.levels[to].q, from);
-  return from + there - before;
+/// Whether what a look has found leaves nothing but noise in the free run, once it is fitted there.
+bool IsExactInFreeRun(const Contestant& one, const Contestant& null, const Levels& levels, std::size_t level) {
+  const std::size_t free = levels.free_run(), last = one.Holds(level + 1) ? level + 1 : level;
+  if (!one.Holds(last) || one.share < policy::kNearlyAll) return false;
+  if (last == free && IsExact(one.levels[free])) return true;
+  Estimate there = FitRoughly(one, null, levels, free, one.levels[last].q, std::nullopt);
+  if (there.ok() && !IsExact(there) && IsNearTheNoise(there))
+    there = FitFully(one, null, levels, free, Eigen::VectorXd(there.q));
+  return there.ok() && IsExact(there);
+}
+
+/// A candidate that was not fitted, where its sketch is.
+Contestant NotFitted(const Trial& candidate, const Sketch& sketch, const Levels& levels) {
+  Contestant one(candidate.hypothesis);
+  one.levels.resize(levels.size());
+  for (Estimate& estimate : one.levels) {
+    estimate.broken = "not fitted: another one leaves nothing but noise";
+    estimate.q = sketch.q;
+  }
+  one.share = std::max(0.0, sketch.removes);
+  return one;
 }
 
 }  // namespace
 
 Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Contestant& null, const Levels& levels,
-                   std::size_t level, std::size_t count) {
+                   std::size_t level, std::size_t count, std::optional<double> next) {
   Contestant contestant(model);
   contestant.levels.resize(levels.size());
   for (Estimate& estimate : contestant.levels) estimate.broken = "not fitted";
   for (std::size_t at = level; at < std::min(level + count, levels.size()); ++at) {
     if (!null.Holds(at)) continue;
-    if (at > level && contestant.Holds(level)) from = MovedAlong(contestant, null, level, at);
+    if (at > level && contestant.Holds(level)) {
+      if (next && !IsNearTheNoise(null.levels[at]) && std::max(*next, contestant.share) < policy::kLittle) break;
+      from = contestant.levels[level].q;
+    }
     const estimation::KnownColumns known{&null.hypothesis, &null.levels[at]};
     contestant.levels[at] = AsLoudAs(null, at,
                                      Fit(model, levels[at], from,
@@ -70,25 +89,28 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
   std::erase_if(candidates, [&](const Trial& candidate) { return !scope.takes(candidate); });
   const Screens screens(null, levels, level);
   std::atomic<std::size_t> done = 0;
-  const auto in_parts = [&](std::size_t count, double from, double to, const auto& work) {
+  const auto in_parts = [&](std::size_t count, double from, double to, const auto& ended, const auto& work) {
     done = 0;
-    for (std::size_t begin = 0; begin < count && !conduct.spent(); begin += kAtOnce) {
+    for (std::size_t begin = 0; begin < count && !ended(begin); begin += kAtOnce) {
       ParallelFor(std::min(kAtOnce, count - begin), 0, [&](std::size_t i) {
         work(begin + i);
         conduct.progress(from + (to - from) * static_cast<double>(++done) / static_cast<double>(count));
       });
     }
   };
+  const auto spent = [&](std::size_t) { return conduct.spent(); };
   std::vector<Sketch> sketches(candidates.size());
-  in_parts(candidates.size(), 0.0, kSketched, [&](std::size_t i) {
+  constexpr Index kBeside = 3;  // of a sketch beside its coordinates
+  in_parts(candidates.size(), 0.0, kSketched, spent, [&](std::size_t i) {
     const VectorXd from = StartFrom(candidates[i].hypothesis, null.hypothesis, null.levels[level].q);
     const std::string name = candidates[i].hypothesis.Name() + ", first look";
-    if (const std::optional<VectorXd> known = conduct.Recall(name, level, from.size() + 2))
-      sketches[i] = {known->head(from.size()), known->tail(2)[0], known->tail(1)[0]};
+    if (const std::optional<VectorXd> known = conduct.Recall(name, level, from.size() + kBeside))
+      sketches[i] = {known->head(from.size()), known->tail(3)[0], known->tail(2)[0], known->tail(1)[0]};
     else
       sketches[i] = SketchOf(candidates[i], screens, from);
-    VectorXd kept(from.size() + 2);
-    kept << sketches[i].q, sketches[i].removes, sketches[i].moves.value_or(policy::kUnseen);
+    VectorXd kept(from.size() + kBeside);
+    kept << sketches[i].q, sketches[i].removes, sketches[i].moves.value_or(policy::kUnseen),
+        sketches[i].next.value_or(1.0);
     conduct.Keep(name, level, kept);
   });
   Looked looked;
@@ -104,17 +126,35 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
   // Where the null leaves nothing but noise, so does a candidate only once nominal values have given it back what they had taken on: a
   // fit that begins without that leads it back to nothing.
   const bool swallowed = !HasExcess(null.levels[level], levels.data());
-  in_parts(order.size(), kSketched, 1.0, [&](std::size_t i) {
+  // The best of those that were fitted is followed: where it leads to the noise the others need no fit.
+  const std::size_t free = levels.free_run();
+  const bool follows = scope.until_exact && !(null.Holds(free) && IsExact(null.levels[free]));
+  const std::optional<Contestant>* followed = nullptr;
+  bool exact = false;
+  const auto enough = [&](std::size_t begin) {
+    if (follows && begin > 0) {
+      const auto* best = &*std::max_element(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(begin),
+                                            [](const auto& a, const auto& b) { return a->share < b->share; });
+      exact = best != followed && IsExactInFreeRun(**best, null, levels, level);
+      followed = best;
+    }
+    return exact || conduct.spent();
+  };
+  in_parts(order.size(), kSketched, 1.0, enough, [&](std::size_t i) {
     const Trial& candidate = candidates[order[i]];
     VectorXd from = sketches[order[i]].q;
     if (swallowed) from = screens.here.Followed(candidate, from, screens.here.Of(candidate, from));
-    seen[i] = FitOnce(candidate.hypothesis, std::move(from), null, levels, level, scope.levels);
+    seen[i] =
+        FitOnce(candidate.hypothesis, std::move(from), null, levels, level, scope.levels, sketches[order[i]].next);
   });
   for (std::optional<Contestant>& one : seen) {
     if (one && (one->Holds(level) || (scope.levels > 1 && one->Holds(level + 1))))
       looked.ranked.push_back(*std::move(one));
   }
   std::ranges::stable_sort(looked.ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
+  for (std::size_t i = 0; exact && i < seen.size(); ++i) {
+    if (!seen[i]) looked.ranked.push_back(NotFitted(candidates[order[i]], sketches[order[i]], levels));
+  }
   return looked;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/conduct.h"
@@ -14,16 +15,19 @@
 namespace dynoproof::diagnosis {
 
 struct Looked {
-  std::vector<Contestant> ranked;  // those that remove most first
+  std::vector<Contestant>
+      ranked;  // those that remove most first; then those that were not fitted, at what they promise
   std::vector<NotTestable>
       silent;  // at no size that was tried do they move an output so that it shows beside the noise
 };
 
-/// A first look may be restricted: to some candidates, to fits of the most promising, to one level.
+/// A first look may be restricted: to some candidates, to fits of the most promising, to one level, to those before one leaves nothing but
+/// noise in the free run. What else does so moves the outputs as that one does, and is found as its twin.
 struct Scope {
   std::function<bool(const Trial&)> takes = [](const Trial&) { return true; };
   std::size_t most_fits = policy::kLookedAtMost;
   std::size_t levels = 2;
+  bool until_exact = false;
 };
 
 /// On top of the null, at `level` and the next one; where the conduct ends it, of those that were looked at by then. The null
@@ -31,9 +35,9 @@ struct Scope {
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
                  const Registry& registry, const Conduct& conduct, const Scope& scope = {});
 
-/// A cheap fit of a model on top of the null, from these values at `level` and at as many levels as follow up to `count`. Its rows are
-/// dropped.
+/// A cheap fit of a model on top of the null, from these values at `level` and at as many levels as follow up to `count`; not there where it
+/// has removed next to nothing and promises no more (`next`: Sketch::next). Its rows are dropped.
 Contestant FitOnce(const estimation::Hypothesis& model, Eigen::VectorXd from, const Contestant& null,
-                   const Levels& levels, std::size_t level, std::size_t count);
+                   const Levels& levels, std::size_t level, std::size_t count, std::optional<double> next = {});
 
 }  // namespace dynoproof::diagnosis

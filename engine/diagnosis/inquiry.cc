@@ -121,16 +121,19 @@ void Inquiry::Enter(const Contest& contest, const Settled& settled, const std::s
     else
       base.outcome += levels().Name(level) + ": " + fit.broken + "; ";
   }
-  JournalEntry looked{"first look",
-                      {},
-                      "share of what the null leaves, " + stage,
-                      {},
-                      fmt::format("{} are carried", contest.contestants.size() - 1)};
+  JournalEntry looked{"first look", {}, "share of what the null leaves, " + stage, {}, ""};
+  std::size_t not_fitted = 0;
   for (const auto* some : {&contest.contestants, &contest.left_behind}) {
     for (const Contestant& one : *some) {
-      if (one.share > 0.0) looked.numbers.emplace_back(one.Name(), one.share);
+      const bool fitted = one.Holds(contest.first) || one.Holds(contest.first + 1);
+      if (fitted && one.share > 0.0) looked.numbers.emplace_back(one.Name(), one.share);
+      if (!fitted && some == &contest.left_behind) ++not_fitted;
     }
   }
+  looked.outcome = fmt::format("{} are carried", contest.contestants.size() - 1);
+  if (not_fitted > 0)
+    looked.outcome +=
+        fmt::format(", {} are not fitted, for the best leaves nothing but noise in the free run", not_fitted);
   JournalEntry cost{"simulations", {}, stage, {}, ""};
   for (const Contest::Cost& one : contest.cost)
     cost.numbers.emplace_back(one.stage, static_cast<double>(one.simulations));

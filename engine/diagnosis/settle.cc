@@ -19,12 +19,6 @@ double ShareAt(const Contest& contest, const Levels& levels, std::size_t i, std:
   return ShareOf(contest.contestants[i], contest.null(), levels, level);
 }
 
-/// Whether a contestant's law has more numbers than another one's at the same place, which it becomes with some of them at nothing.
-bool Refines(const Contestant& refined, const Contestant& plain) {
-  return refined.place() == plain.place() &&
-         std::ranges::count(refined.effect().info().traits.refines, plain.effect().info().name) > 0;
-}
-
 /// Removes a law that refines another standing law at the same place without beating it. `beats(a, b)`: a is better than b.
 template <class Beats>
 void KeepPlainer(const Contest& contest, std::vector<std::size_t>& standing, const Beats& beats) {

@@ -176,9 +176,10 @@ Sketch SketchOf(const Trial& candidate, const Screens& screens, const VectorXd& 
       const Signature signature = screen.Of(candidate, sketch.q);
       sketch.Saw(signature);
       sketch.removes = std::max(sketch.removes, signature.removes);
+      return signature.removes;
     };
     look(screens.here);
-    if (screens.next) look(*screens.next);
+    if (screens.next) sketch.next = look(*screens.next);
   }
   // A force that a correction takes off at once may show in the free run, where it adds up.
   if (sketch.IsSilent() && screens.free) {

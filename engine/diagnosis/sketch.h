@@ -65,6 +65,7 @@ struct Sketch {
   Eigen::VectorXd q;
   double removes = -1.0;
   std::optional<double> moves = {};
+  std::optional<double> next = {};  // what it removes at the next level, linear
 
   /// A run more.
   void Saw(const Signature& signature);

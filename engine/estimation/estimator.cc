@@ -50,9 +50,11 @@ double DecrementOf(const RowMajor& columns, const VectorXd& weighted, const Vect
     if (std::ranges::find(held, i) == held.end()) free.push_back(i);
   }
   if (free.empty()) return 0.0;
-  const Eigen::MatrixXd own = columns(Eigen::all, free);
+  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(q.size(), q.size());
+  curvature.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  curvature.triangularView<Eigen::StrictlyUpper>() = curvature.transpose();
   const VectorXd slope = gradient(free);
-  return slope.dot(dense::LeastSquares(own.transpose() * own, slope));
+  return slope.dot(dense::LeastSquares(curvature(free, free), slope));
 }
 
 class Residual : public ceres::CostFunction {

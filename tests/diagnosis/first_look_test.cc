@@ -1,4 +1,4 @@
-// The first look beside a nominal model that leaves nothing but noise.
+// What a first look finds, and when it ends.
 #include "diagnosis/first_look.h"
 
 #include <gtest/gtest.h>
@@ -47,6 +47,36 @@ TEST(FirstLook, TakesBackWhatNominalValuesHaveSwallowed) {
   EXPECT_TRUE(IsExact(gain.levels[free])) << TimesNoise(gain.levels[free]);
   EXPECT_LT(OffNominal(gain, free), 5.0);
   EXPECT_NEAR(gain.hypothesis.parameters()[0].ValueAt(gain.levels[free].q[0]), kGain, 0.01);
+}
+
+/// Of the candidates for a record with an effect that is plain, those after the first sixteen are not fitted once one of these leaves nothing but
+/// noise in the free run. They stand at the end, with what they promise.
+TEST(FirstLook, EndsWhereTheFreeRunLeavesNothingButNoise) {
+  const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
+  const MappedRecord record =
+      RecordOf(WithEffect(plan, "inertia_change", "inertia:I3", {0.2}), 0.005, {"T_shaft", "omega_1"});
+  const auto levels = Levels::Of(plan, {record}, testing::BuiltIns(), 0.0, 2000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const Contestant null = NullOf(plan, false, **levels, testing::BuiltIns());
+  ASSERT_TRUE(null.Holds(0));
+  const Magnitudes magnitudes = MagnitudesOf(EstimationProblem(plan, {record}, testing::BuiltIns()));
+  const auto look = [&](bool until_exact) {
+    const std::int64_t before = (*levels)->simulations();
+    Looked looked =
+        FirstLook(null, **levels, 0, magnitudes, testing::BuiltIns(), Conduct(), {.until_exact = until_exact});
+    return std::pair(std::move(looked), (*levels)->simulations() - before);
+  };
+  const auto [all, of_all] = look(false);
+  const auto [some, of_some] = look(true);
+  EXPECT_EQ(some.ranked.front().Name(), "inertia_change@inertia:I3");
+  EXPECT_EQ(some.ranked.front().share, all.ranked.front().share);
+  const auto fitted = [](const Contestant& one) { return one.Holds(0) || one.Holds(1); };
+  EXPECT_EQ(std::ranges::count_if(all.ranked, fitted), std::ssize(all.ranked));
+  EXPECT_EQ(std::ranges::count_if(some.ranked, fitted), 16);
+  EXPECT_TRUE(std::ranges::is_partitioned(some.ranked, fitted));
+  EXPECT_GE(some.ranked.size(), all.ranked.size());
+  for (const Contestant& one : some.ranked) EXPECT_EQ(one.levels[0].q.size(), std::ssize(one.hypothesis.parameters()));
+  EXPECT_LT(of_some, of_all - 4 * (std::ssize(all.ranked) - 16)) << "each of the others takes some runs";
 }
 
 }  // namespace

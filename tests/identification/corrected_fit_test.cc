@@ -67,18 +67,21 @@ TEST(SlowCorrectedFit, FindsSixNumbersOffByHalf) {
   EXPECT_GE(all_inside, 15);  // of 18 at 95 %: fewer in one of two hundred
 }
 
-TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
-  int corrected = 0, free_run = 0;
-  for (const std::uint64_t seed : {2U, 4U, 6U}) {
-    const FarOff line(2.0, seed);
-    for (const std::string method : {"corrected", "free_run"}) {
-      const Result<Identified> found = Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, method});
-      ASSERT_TRUE(found.ok()) << found.failure().ToString();
-      (method == "corrected" ? corrected : free_run) += Hits(*found, line.truth, 0.01).first == 6;
-    }
+/// Identifies six numbers by the corrected run, which finds them, and by the free run, which ends elsewhere.
+void ExpectTheFreeRunAstray(std::uint64_t seed) {
+  const FarOff line(2.0, seed);
+  for (const std::string method : {"corrected", "free_run"}) {
+    const Result<Identified> found = Identify(line.nominal, {line.record}, testing::BuiltIns(), {line.free, method});
+    ASSERT_TRUE(found.ok()) << found.failure().ToString();
+    const bool all = Hits(*found, line.truth, 0.01).first == 6;
+    EXPECT_EQ(all, method == "corrected") << seed << " by " << method;
   }
-  EXPECT_EQ(corrected, 3);
-  EXPECT_EQ(free_run, 0);
+}
+
+TEST(SlowCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) { ExpectTheFreeRunAstray(2); }
+
+TEST(NightlyCorrectedFit, FindsThemWhereTheFreeRunEndsInAnotherMinimum) {
+  for (const std::uint64_t seed : {4U, 6U}) ExpectTheFreeRunAstray(seed);
 }
 
 /// One mass of 2 kg m^2 with dry friction, swung at two frequencies.
