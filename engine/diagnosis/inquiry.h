@@ -1,4 +1,5 @@
-// What all contests about the same records share: the data in two parts, a budget, the journal, and the verdicts of those before.
+// An inquiry asks contests about the same records, one after the other. It holds what they share: training data and hold-out, the budget, the
+// journal, and the verdicts of earlier contests.
 #pragma once
 
 #include <ctime>

@@ -1,4 +1,4 @@
-// What the model's own numbers explain once they are let go, without an effect or together.
+// The nominal model with its nominal values let go: as the null of a second pass, and as an answer where several of them are wrong.
 #pragma once
 
 #include <optional>

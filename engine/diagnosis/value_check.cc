@@ -11,6 +11,9 @@
 namespace dynoproof::diagnosis {
 namespace {
 
+constexpr double kElse =
+    0.9;  // share of the other steps that change the value, in a signal that else never stands still
+
 /// Runs of the same value, in samples.
 struct Still {
   std::size_t first = 0, length = 0;
@@ -30,7 +33,6 @@ std::vector<Still> RunsOf(const std::vector<double>& x, std::size_t shortest) {
 /// Whether a signal that else changes with nearly every sample comes to a run from a step as large as its usual ones, or leaves it so: what
 /// comes to rest by itself slows down before, what rests at the beginning or at the end was never seen to come or go.
 bool StopsInMotion(const std::vector<double>& x, const Still& run) {
-  constexpr double kElse = 0.9;  // share of the other steps that change the value
   if (run.first == 0 || run.end() == x.size()) return false;
   std::vector<double> steps;
   for (std::size_t i = 1; i < x.size(); ++i) {
@@ -103,7 +105,6 @@ void CheckOutliers(const trace::Column& column, const std::vector<double>* time,
 /// A value that stands still for a while in a signal that else changes with every sample: a sensor that has stopped.
 void CheckFrozen(const trace::Column& column, const std::vector<double>* time, std::vector<Finding>& findings) {
   constexpr std::size_t kLong = 10;  // samples
-  constexpr double kElse = 0.9;      // share of the other steps that change the value
   const std::vector<double>& x = column.values;
   std::size_t still = 0, runs = 0, first = 0, longest = 0, changes = 0;
   for (const Still& run : RunsOf(x, 1)) {

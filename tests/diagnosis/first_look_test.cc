@@ -1,4 +1,4 @@
-// What a first look finds, and when it ends.
+// The first look finds what nominal values have swallowed, and ends where a candidate is exact in the free run.
 #include "diagnosis/first_look.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What is asked once a cause is in the model, and what is said where the budget ends before that.
+// A pair with implausible nominal values is not named where the budget ends before its halves are asked.
 #include "diagnosis/further_causes.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What the values of one column say of its sensor.
+// A sensor at the end of its range is told from a signal that comes to rest.
 #include "diagnosis/value_check.h"
 
 #include <gtest/gtest.h>
