@@ -22,6 +22,7 @@ void FitAlong(Contestant& one, const Levels& levels, Eigen::VectorXd from) {
   // From near by: let go, a model that lacks its effect has no truth to go to, and what it finds first is nearer to the plan as
   // given than what a thorough search would find.
   const estimation::EstimatorOptions how{.renewals = 6, .points = PointsFor(one.hypothesis), .near = true};
+  const Eigen::VectorXd given = from;
   one.levels.resize(levels.size());
   for (estimation::Estimate& fit : one.levels) fit.broken = "not fitted";
   for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -29,13 +30,23 @@ void FitAlong(Contestant& one, const Levels& levels, Eigen::VectorXd from) {
     fit.broken = SteppedOver(one, levels, level);
     if (!fit.ok()) continue;
     fit = estimation::Fit(one.hypothesis, levels[level], from, how);
+    const bool free = level == levels.free_run();
+    if (free && fit.ok() && !IsExact(fit) && LogLeftAt(given, one.hypothesis, levels, level) < LogLeft(fit, levels))
+      fit = estimation::Fit(one.hypothesis, levels[level], given, how);
     if (fit.ok()) from = fit.q;
   }
 }
 
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
+  constexpr double kAmplifies = 10.0;
   Contestant null(NullHypothesis(plan, released, levels, registry));
   FitAlong(null, levels, null.hypothesis.start());
+  const estimation::Estimate& free = null.levels[levels.free_run()];
+  for (std::size_t level = 0; level < levels.free_run() && free.ok(); ++level) {
+    estimation::Estimate& fit = null.levels[level];
+    if (fit.ok() && TimesNoise(fit) > kAmplifies * std::max(1.0, TimesNoise(free)))
+      fit.broken = "the record corrects away from itself what the free run has right";
+  }
   return null;
 }
 

@@ -95,6 +95,12 @@ double ShareOf(const Contestant& contestant, const Contestant& null, const Level
   return 1.0 - std::exp(LogLeft(contestant.levels[level], levels) - LogLeft(null.levels[level], levels));
 }
 
+double LogLeftAt(const VectorXd& q, const Hypothesis& model, const Levels& levels, std::size_t level) {
+  const Result<estimation::Prediction> there = levels[level].Predict(model.At(q));
+  if (!there.ok()) return std::numeric_limits<double>::infinity();
+  return LogExcess(estimation::ScalesOf(levels.data(), there->innovations, there->noise_alone), levels.data());
+}
+
 const Contestant* LeaderAt(std::span<const Contestant> contestants, const Levels& levels, std::size_t level) {
   const Contestant* leader = nullptr;
   for (const Contestant& one : contestants) {
@@ -200,24 +206,6 @@ Estimate AsLoudAs(const Contestant& null, std::size_t level, Estimate estimate) 
     own = null.coloured ? std::max(own, of_null) : std::min(own, of_null);
   }
   return estimate;
-}
-
-bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, const Plan& as) {
-  if (!contestant.Holds(level)) return false;
-  Hypothesis finer = contestant.hypothesis.AsExactAs(as);
-  // Kept columns do where the minimum is near. Along a curved valley each step needs its own.
-  Eigen::VectorXd q = contestant.levels[level].q;
-  Estimate again;
-  for (const bool near : {true, false}) {
-    again = estimation::Fit(finer, levels[level], q, {.converged = policy::kNamedTo, .near = near, .central = true});
-    if (!again.ok() || again.termination == estimation::kSettled) break;
-    q = again.q;
-  }
-  again = AsLoudAs(null, level, std::move(again));
-  if (!again.ok() || !IsExact(again)) return false;
-  contestant.levels[level] = std::move(again);
-  contestant.hypothesis = std::move(finer);
-  return true;
 }
 
 void CountAsNoise(Contestant one, std::span<Contestant> all) {

@@ -1,6 +1,7 @@
 // A model that is fitted level by level, and how much it leaves.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,11 @@
 
 namespace dynoproof::diagnosis {
 
+/// Coordinates and half of their 95 % intervals.
+struct Interval {
+  Eigen::VectorXd q, half;
+};
+
 /// A model and what it was fitted to at each level.
 struct Contestant {
   explicit Contestant(estimation::Hypothesis model) : hypothesis(std::move(model)) {}
@@ -18,6 +24,7 @@ struct Contestant {
   std::vector<estimation::Estimate> levels;  // not fitted, or broken: not ok()
   double share = 0.0;                        // of the null's excess that it removes at a first look
   bool coloured = false;                     // what it leaves is noise by all tests, though more than differences tell
+  std::optional<Interval> to_all = {};  // fitted to all of the records (FitToAll), where levels are of their first part
 
   /// The effect that came last; there is none in the nominal model.
   const Effect& effect() const { return *hypothesis.effects().back().effect; }
@@ -48,6 +55,9 @@ bool HasExcess(const estimation::Estimate& estimate, const estimation::DataSet& 
 double LogExcess(const std::vector<estimation::ChannelScale>& scales, const estimation::DataSet& data);
 /// That of a fit.
 double LogLeft(const estimation::Estimate& fit, const Levels& levels);
+/// That of a model at some coordinates; infinite where its run breaks.
+double LogLeftAt(const Eigen::VectorXd& q, const estimation::Hypothesis& model, const Levels& levels,
+                 std::size_t level);
 
 /// The share of the null's excess that a model removes at a level where both hold.
 double ShareOf(const Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level);
@@ -95,12 +105,6 @@ int PointsFor(const estimation::Hypothesis& hypothesis);
 /// A hypothesis whose own loop is louder than the null's may not excuse what it leaves with that. Where the null leaves coloured
 /// noise, noise alone is that.
 estimation::Estimate AsLoudAs(const Contestant& null, std::size_t level, estimation::Estimate estimate);
-
-/// Fits a model that leaves nothing but noise to the minimum itself at a level, as exactly as the scenario `as` is simulated. A contest
-/// ends its fits where what a step would still gain tells no model from another, up to a standard deviation before it, and
-/// simulates in substeps and modes in which nobody sees the nominal model change, but a lag or a delay does. Whether the fit
-/// is exact there; otherwise nothing changes.
-bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels, std::size_t level, const Plan& as);
 
 /// From now on, of all of them, noise alone is at each level at least what this one leaves there, which is noise of some colour.
 void CountAsNoise(Contestant one, std::span<Contestant> all);

@@ -6,6 +6,7 @@
 
 #include "diagnosis/confidence.h"
 #include "diagnosis/extend.h"
+#include "diagnosis/polish.h"
 #include "diagnosis/trial.h"
 #include "estimation/horizon.h"
 #include "experiment/drive_by_record.h"
@@ -49,23 +50,26 @@ identification::Hypothesis AsReported(const EstimationProblem& problem, const Co
   return hypothesis;
 }
 
+/// The coordinates that are told of a model: of all the records, where it was fitted to them.
+const Eigen::VectorXd& ToldOf(const Contestant& one, std::size_t level) {
+  return one.to_all ? one.to_all->q : one.levels[level].q;
+}
+
 /// The numbers of all effects of a model with intervals: at the deciding level of an exact one, else the hull over all levels,
 /// for how much a number depends on what is taken for unknown is what the model's error makes of it.
 std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, const Settled& settled) {
-  constexpr double kTwoSided = 1.959964;
-  const estimation::Estimate& fit = one.levels[settled.level];
-  Eigen::VectorXd low = fit.q, high = fit.q;
+  const Eigen::VectorXd& q = ToldOf(one, settled.level);
+  Eigen::VectorXd low = q, high = q;
+  const auto widen = [&](const Eigen::VectorXd& about, const Eigen::VectorXd& half) {
+    low = low.cwiseMin(about - half).cwiseMax(one.hypothesis.lower());
+    high = high.cwiseMax(about + half).cwiseMin(one.hypothesis.upper());
+  };
+  if (one.to_all) widen(one.to_all->q, one.to_all->half);
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    if (!one.Holds(level) || (settled.exact && level != settled.level)) continue;
-    // Where what is left is smaller than what counts as measured, its own scatter tells nothing: then the curvature does.
-    const Eigen::VectorXd half =
-        kTwoSided * estimation::Sandwich(one.levels[level], levels.data(), one.hypothesis)
-                        .diagonal()
-                        .cwiseMax(estimation::CurvatureOf(one.levels[level], one.hypothesis).diagonal())
-                        .cwiseMax(0.0)
-                        .cwiseSqrt();
-    low = low.cwiseMin(one.levels[level].q - half).cwiseMax(one.hypothesis.lower());
-    high = high.cwiseMax(one.levels[level].q + half).cwiseMin(one.hypothesis.upper());
+    const bool replaced = one.to_all && level == settled.level;
+    const bool counts = !replaced && (!settled.exact || level == settled.level);
+    if (one.Holds(level) && counts)
+      widen(one.levels[level].q, HalfIntervalOf(one.levels[level], levels.data(), one.hypothesis));
   }
   std::vector<FoundEffect> all;
   Eigen::Index i = 0;
@@ -78,8 +82,7 @@ std::vector<FoundEffect> FoundOf(const Contestant& one, const Levels& levels, co
     for (const EffectParameter& known : effect->info().parameters) {
       const estimation::Parameter& parameter = one.hypothesis.parameters()[static_cast<std::size_t>(i)];
       const double a = parameter.ValueAt(low[i]), b = parameter.ValueAt(high[i]);
-      found.parameters.push_back(
-          {known.name, parameter.unit, parameter.ValueAt(fit.q[i]), std::min(a, b), std::max(a, b)});
+      found.parameters.push_back({known.name, parameter.unit, parameter.ValueAt(q[i]), std::min(a, b), std::max(a, b)});
       for (std::size_t level = 0; level < levels.size(); ++level) {
         if (!levels.IsSteppingStone(level) && one.Holds(level))
           found.parameters.back().by_level.emplace_back(levels.Name(level), parameter.ValueAt(one.levels[level].q[i]));
@@ -246,27 +249,13 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   while (level > 0 && !model.Holds(level)) --level;
   if (!model.Holds(level)) return {};
   const estimation::Estimate& fit = model.levels[level];
+  const Eigen::VectorXd& q = ToldOf(model, level);
   result.effects = FoundOf(model, levels, settled);
-  if (result.verdict == Conclusion::kAmbiguous) {
-    std::vector<std::string> names;
-    std::vector<identification::EffectInstance> instances;
-    for (const std::size_t i : settled.causes) {
-      const Contestant& one = contest.contestants[i];
-      names.push_back(one.Name());
-      if (i != chosen && one.Holds(settled.level)) result.instead.push_back(FoundOf(one, levels, settled));
-      instances.push_back(AsReported(problem, one, one.levels[level].q, task.begun).effects.back());
-    }
-    names.insert(names.end(), alike.begin(), alike.end());
-    result.ambiguous_with.push_back(names);
-    result.experiment_text = SeparatingText(problem, instances);
-    if (const Result<std::string> file = WriteSeparating(problem, instances, task.options); file.ok())
-      result.experiment_scenario = *file;
-  }
   // A model is fitted where its run is corrected, or behind a lead-in, which says little of where the records start.
-  Plan with_cause = model.hypothesis.At(fit.q);
+  Plan with_cause = model.hypothesis.At(q);
   if (const Result<Plan> started = identification::FindStarts(problem, with_cause); started.ok()) with_cause = *started;
-  const identification::Hypothesis hypothesis = AsReported(problem, model, fit.q, with_cause);
-  const Plan given = FromTheStartOf(task.begun, model, fit.q);
+  const identification::Hypothesis hypothesis = AsReported(problem, model, q, with_cause);
+  const Plan given = FromTheStartOf(task.begun, model, q);
   std::optional<Plan> let_go;
   if (released && released->Holds(level)) let_go = released->hypothesis.At(released->levels[level].q);
   const Predictions before = problem.PredictPlan(given), after = problem.PredictPlan(with_cause);
@@ -278,11 +267,26 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
   }
   // Shares are those of runs that the record corrects, too: what is right there and wrong in the free run is no main cause.
   const bool no_better = IsNoBetterThanGiven(result.explained, settled.exact);
-  if (result.verdict == Conclusion::kMainCause && no_better) {
+  if (!settled.exact && !settled.causes.empty() && no_better) {
     result.verdict = Conclusion::kUnexplained;
     result.reason = fmt::format(
         "{} removes most beside a run that the record corrects, but in the free run the model is no better with it",
         model.Name());
+  }
+  if (result.verdict == Conclusion::kAmbiguous) {
+    std::vector<std::string> names;
+    std::vector<identification::EffectInstance> instances;
+    for (const std::size_t i : settled.causes) {
+      const Contestant& one = contest.contestants[i];
+      names.push_back(one.Name());
+      if (i != chosen && one.Holds(settled.level)) result.instead.push_back(FoundOf(one, levels, settled));
+      instances.push_back(AsReported(problem, one, ToldOf(one, level), task.begun).effects.back());
+    }
+    names.insert(names.end(), alike.begin(), alike.end());
+    result.ambiguous_with.push_back(names);
+    result.experiment_text = SeparatingText(problem, instances);
+    if (const Result<std::string> file = WriteSeparating(problem, instances, task.options); file.ok())
+      result.experiment_scenario = *file;
   }
   for (FoundEffect& effect : result.effects) effect.confidence = ConfidenceOf(result.verdict, result.effects.size());
   result.given = NrmseBySignal(judged, judged.given);
@@ -320,7 +324,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     const estimation::Parameter& own = model.hypothesis.parameters()[i];
     result.notes.push_back(fmt::format(
         "{} = {:.4g} lies on the bound of its fit (nominal {:.4g}): it would go on, or stands for something else",
-        own.name, own.ValueAt(fit.q[static_cast<Eigen::Index>(i)]), own.reference));
+        own.name, own.ValueAt(q[static_cast<Eigen::Index>(i)]), own.reference));
   }
   for (std::size_t i = 1; i < contest.contestants.size(); ++i) {
     const Contestant& one = contest.contestants[i];

@@ -99,6 +99,11 @@ void Inquiry::SettleAgain(Answer& answer) {
   Enter(answer.contest, answer.settled, "with what was found later");
 }
 
+void Inquiry::FinishAt(std::size_t level, Contestant& one, const Contestant& null) {
+  if (one.Holds(level) && IsExact(one.levels[level])) PolishAt(level, one, null);
+  if (!Spent()) Count(FitToAll(one, levels(), level, parts_.fitted, begun_, registry()));
+}
+
 Conduct Inquiry::ConductOf(const std::string& stage, std::function<void(double)> progress) {
   return {std::move(progress), [this] { return Spent(); }, &saved_, stage};
 }

@@ -11,6 +11,7 @@
 #include "diagnosis/answer.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/parts.h"
+#include "diagnosis/polish.h"
 #include "diagnosis/saved_points.h"
 
 namespace dynoproof::diagnosis {
@@ -61,6 +62,8 @@ class Inquiry {
   bool PolishAt(std::size_t level, Contestant& one, const Contestant& null) const {
     return Polish(one, null, levels(), level, problem_.plan());
   }
+  /// The numbers of a model that is named, from all of the data that models are fitted to.
+  void FinishAt(std::size_t level, Contestant& one, const Contestant& null);
   Conduct ConductOf(
       const std::string& stage, std::function<void(double)> progress = [](double) {});
 

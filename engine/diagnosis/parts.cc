@@ -56,6 +56,16 @@ bool NobodySees(const Levels& levels, const Plan& plan, const Eigen::VectorXd& o
 
 }  // namespace
 
+double SearchedUntil(const Plan& plan, const std::vector<MappedRecord>& records) {
+  double until_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  for (const MappedRecord& record : records) {
+    std::size_t samples = 1;
+    for (const auto& [name, series] : record.outputs) samples = std::max(samples, series.values->size());
+    until_s = std::max(until_s, policy::kSearchedSamples / static_cast<double>(samples) * record.end_s);
+  }
+  return std::min(until_s, policy::kMostSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4));
+}
+
 std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {
   std::size_t samples = 0;
   for (const MappedRecord& record : records) {
@@ -78,14 +88,16 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
       identification::CutRecord(record, kFittedShare);
     }
   }
-  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  const double most_s = SearchedUntil(plan, first);
   Result<std::unique_ptr<Levels>> training = Levels::Of(plan, first, registry, 0.0, kComparedRows, nullptr, most_s);
   if (!training.ok()) return training.failure();
   if (std::ranges::any_of(first, &MappedRecord::in_motion)) {
-    for (MappedRecord& record : first) record.in_motion = false;
-    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, first, registry, 0.0, kComparedRows, nullptr, most_s);
+    std::vector<MappedRecord> at_rest = first;
+    for (MappedRecord& record : at_rest) record.in_motion = false;
+    Result<std::unique_ptr<Levels>> unled = Levels::Of(plan, at_rest, registry, 0.0, kComparedRows, nullptr, most_s);
     if (unled.ok() && LogPowerOf(plan, **unled) <= LogPowerOf(plan, **training) + std::log(kAsWell)) {
       training = std::move(unled);
+      first = std::move(at_rest);
       if (holdout.empty()) {
         for (MappedRecord& record : later) record.in_motion = false;
       }
@@ -94,7 +106,7 @@ Result<Parts> Split(const Plan& plan, const std::vector<MappedRecord>& data, con
   const double from = holdout.empty() ? kFittedShare : 0.0;
   Result<std::unique_ptr<Levels>> held = Levels::Of(plan, later, registry, from, kComparedRows, training->get());
   if (!held.ok()) return held.failure();
-  return Parts{*std::move(training), *std::move(held)};
+  return Parts{*std::move(training), *std::move(held), std::move(first)};
 }
 
 Plan WithFewerModes(const Plan& plan, const Levels& levels) {

@@ -13,8 +13,12 @@ namespace dynoproof::diagnosis {
 inline constexpr double kFittedShare = 0.7;          // of records without a hold-out of their own
 inline constexpr Eigen::Index kComparedRows = 4000;  // of a channel
 
+/// How much of each record a search simulates [s]: policy::kSearchedSteps, and more where these hold few samples.
+double SearchedUntil(const Plan& plan, const std::vector<MappedRecord>& records);
+
 struct Parts {
   std::unique_ptr<Levels> training, held_out;
+  std::vector<MappedRecord> fitted;  // all of what models are fitted to; a search looks at its first part
 };
 
 /// Without a hold-out the last part of each record is that. Records in motion are led in by their samples, unless the plan

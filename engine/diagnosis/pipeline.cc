@@ -128,11 +128,9 @@ Result<Diagnosis> Pipeline::Report(Answer answer) {
   options_.progress("what it gains", 0.97);
   auto& [contest, settled] = answer;
   const Levels& levels = inquiry_.levels();
-  std::vector<std::size_t> told = settled.causes;
-  if (settled.best) told.push_back(*settled.best);
-  for (const std::size_t i : told) {
-    if (settled.exact) inquiry_.PolishAt(settled.level, contest.contestants[i], contest.null());
-  }
+  for (const std::size_t i : settled.causes) inquiry_.FinishAt(settled.level, contest.contestants[i], contest.null());
+  if (settled.exact && settled.best)
+    inquiry_.PolishAt(settled.level, contest.contestants[*settled.best], contest.null());
   settled = AtTheEnd(std::move(settled), contest);
   Diagnosis result;
   result.verdict = settled.verdict;

@@ -63,6 +63,9 @@ inline constexpr double kMost = 0.5, kLittle = 0.05;
 inline constexpr double kAlike = 0.98;
 /// Steps of a run that a search simulates: 1.2 s at 10 kHz are some 500 periods of a line's first mode.
 inline constexpr double kSearchedSteps = 12'000.0;
+/// Samples that a search has in any case, where a scenario makes many steps between two: 500 of a motor that was held at 3100 angles left
+/// the order of its cogging known to 3 %. And the steps that it simulates for them at most.
+inline constexpr double kSearchedSamples = 2'000.0, kMostSearchedSteps = 120'000.0;
 /// A signal that stays within this share of its spread in a whole record stands still: of that no model's error is told.
 inline constexpr double kStill = 0.01;
 /// Distance of two predictions of a channel, over all of its rows, which no test sees [standard deviations of the noise].

@@ -162,8 +162,8 @@ std::vector<ProspectPair> PairsOf(const std::vector<Column>& columns, const Vect
 
 Result<Prospects> ProspectsOf(const Plan& plan, const std::vector<MappedRecord>& records, const Registry& registry) {
   const EstimationProblem problem(plan, records, registry);
-  const double most_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
-  const Result<std::unique_ptr<Levels>> made = Levels::Of(plan, records, registry, 0.0, kComparedRows, nullptr, most_s);
+  const Result<std::unique_ptr<Levels>> made =
+      Levels::Of(plan, records, registry, 0.0, kComparedRows, nullptr, SearchedUntil(plan, records));
   if (!made.ok()) return made.failure();
   const Levels& levels = **made;
   Contestant null(NullHypothesis(plan, false, levels, registry));

@@ -44,6 +44,14 @@ std::string InWords(const std::vector<FoundEffect>& effects) {
   return text;
 }
 
+std::string WrongIn(const WhereWrong& where) {
+  std::string text = "\n  wrong in " + where.signal;
+  if (!where.when_s.empty()) text += ", " + Joined(where.when_s, "s");
+  if (!where.frequency_hz.empty()) text += ", " + Joined(where.frequency_hz, "Hz");
+  if (!where.condition.empty()) text += "; " + where.condition;
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string FoundParameter::Text(double number) const {
@@ -182,11 +190,8 @@ std::string ToTable(const Diagnosis& d) {
   for (const auto& set : d.ambiguous_with)
     text += fmt::format("\n  cannot be told apart: {}\n  to tell them: {}\n  {}\n", fmt::join(set, ", "),
                         d.experiment_text, d.experiment_scenario);
-  text += fmt::format("\n  wrong in {}", d.where.signal);
-  if (!d.where.when_s.empty()) text += ", " + Joined(d.where.when_s, "s");
-  if (!d.where.frequency_hz.empty()) text += ", " + Joined(d.where.frequency_hz, "Hz");
-  if (!d.where.condition.empty()) text += "; " + d.where.condition;
-  text += fmt::format("\n\n  {:<12}{:>12}{:>12}{:>12}{:>12}{:>24}\n", "NRMSE", "train", "after", "hold-out", "after",
+  if (d.verdict != Conclusion::kNoEffect) text += WrongIn(d.where);
+  text += fmt::format("\n  {:<12}{:>12}{:>12}{:>12}{:>12}{:>24}\n", "NRMSE", "train", "after", "hold-out", "after",
                       "gain, 95 %");
   for (const auto& [name, train] : d.train) {
     const auto found = d.holdout.find(name);

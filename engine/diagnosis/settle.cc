@@ -305,8 +305,16 @@ class Shares {
     return (own.empty() ? all_[i].effect().info().name : own) + "@" + all_[i].place().ToString();
   }
 
+  bool RefineOneLaw(std::size_t i, std::size_t k) const {
+    const auto refined = [&](std::size_t of) { return all_[of].effect().info().traits.refines; };
+    return all_[i].place() == all_[k].place() && std::ranges::any_of(refined(i), [&](const std::string& law) {
+             return std::ranges::count(refined(k), law) > 0;
+           });
+  }
+
   /// The admitted ones that no other beats, the best first. Within a family the one with the fewest numbers that is not far from
-  /// the best stands for it: the others beat it by what no model here explains.
+  /// the best stands for it: the others beat it by what no model here explains. Of laws that refine the same one, one with more numbers
+  /// that predicts no better does not stand beside another.
   std::vector<std::size_t> Standing(std::vector<std::size_t> admitted) const {
     const auto numbers = [&](std::size_t i) { return all_[i].effect().info().parameters.size(); };
     std::vector<std::size_t> represented = admitted;
@@ -321,6 +329,12 @@ class Shares {
       if (std::ranges::none_of(represented, [&](std::size_t k) { return k != i && Beats(k, i); })) plain.push_back(i);
     }
     KeepPlainer(contest_, plain, [&](std::size_t a, std::size_t b) { return Beats(a, b); });
+    const std::vector<std::size_t> unbeaten = plain;
+    std::erase_if(plain, [&](std::size_t i) {
+      return std::ranges::any_of(unbeaten, [&](std::size_t k) {
+        return RefineOneLaw(i, k) && numbers(k) < numbers(i) && Held(k, Shorter()) <= Held(i, Shorter());
+      });
+    });
     std::ranges::stable_sort(plain,
                              [&](std::size_t a, std::size_t b) { return Held(a, Shorter()) < Held(b, Shorter()); });
     return plain;

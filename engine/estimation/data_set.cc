@@ -12,6 +12,7 @@ namespace dynoproof::estimation {
 namespace {
 
 constexpr double kLeastNoise = 1e-4;  // of the spread: what a simulation is good for
+constexpr double kRounding = 1e-9;    // of the usual size: what it is good for where a signal stands still
 
 /// The rows up to `end_s`.
 Series Until(const Series& series, double end_s) {
@@ -53,7 +54,10 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       channel.spread = score::StandardDeviation(y);
       const Channel* known = options.noise_of != nullptr ? Find(options.noise_of->channels(), r, name) : nullptr;
       channel.white = known != nullptr ? known->white : score::WhiteNoise(y);
-      channel.noise = known != nullptr ? known->noise : std::max({channel.white, kLeastNoise * channel.spread, 1e-300});
+      const double size = std::abs(plan.root.NumberOr("output." + name + ".nominal", 0.0));
+      channel.noise = known != nullptr
+                          ? known->noise
+                          : std::max({channel.white, kLeastNoise * channel.spread, kRounding * size, 1e-100});
       channel.begin = std::ssize(measured);
       for (auto i = first; i < std::ssize(t); i += every) {
         measured.push_back(y[static_cast<std::size_t>(i)]);

@@ -432,12 +432,11 @@ Estimate Fit(const Hypothesis& hypothesis, const Predictor& predictor, const Vec
   estimate.scales = residual.scales();
   estimate.criterion = residual.CriterionOf(weighted);
   estimate.weighted = weighted.head(residual.rows());
-  if (q.size() > 0) {
-    estimate.jacobian = columns.topRows(residual.rows());
-    const Index channels = std::ssize(estimate.scales);
-    estimate.noise_slope =
-        weighted.segment(residual.rows(), channels).asDiagonal() * columns.middleRows(residual.rows(), channels);
-  }
+  if (q.size() == 0) columns.resize(weighted.size(), 0);  // a model without numbers has rows all the same
+  estimate.jacobian = columns.topRows(residual.rows());
+  const Index channels = std::ssize(estimate.scales);
+  estimate.noise_slope =
+      weighted.segment(residual.rows(), channels).asDiagonal() * columns.middleRows(residual.rows(), channels);
   estimate.simulations = residual.points() * std::ssize(predictor.data().records());
   return estimate;
 }

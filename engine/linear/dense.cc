@@ -23,11 +23,18 @@ VectorXcd ComplexSolve(const MatrixXcd& A, const VectorXcd& b) { return A.partia
 
 VectorXd SolveLdlt(const MatrixXd& A, const VectorXd& b) { return A.ldlt().solve(b); }
 
-VectorXd LeastSquares(const MatrixXd& A, const VectorXd& b) { return A.completeOrthogonalDecomposition().solve(b); }
+VectorXd LeastSquares(const MatrixXd& A, const VectorXd& b) {
+  if (A.size() == 0) return VectorXd::Zero(A.cols());
+  return A.completeOrthogonalDecomposition().solve(b);
+}
 
-MatrixXd PseudoInverse(const MatrixXd& A) { return A.completeOrthogonalDecomposition().pseudoInverse(); }
+MatrixXd PseudoInverse(const MatrixXd& A) {
+  if (A.size() == 0) return MatrixXd::Zero(A.cols(), A.rows());
+  return A.completeOrthogonalDecomposition().pseudoInverse();
+}
 
 MatrixXd CovarianceOf(const MatrixXd& information) {
+  if (information.size() == 0) return information;
   constexpr double kLeast = 1e-12;    // of a direction: rounding of the scaled matrix is some 1e-15
   constexpr double kNothing = 1e-20;  // of a number: it keeps its unit
   const VectorXd told = information.diagonal();

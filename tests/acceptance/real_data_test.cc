@@ -1,6 +1,7 @@
 // Records that somebody measured: what is missing from a linear model of them, and what its name is worth. They are no
 // part of this repository; without them the tests are skipped.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -139,6 +140,24 @@ TEST_F(SlowRealData, CoggingIsFoundAtStandstill) {
   EXPECT_LT(left_backwards(), 1.1 * 0.222);  // 0.216
 }
 
+// The same records to a model that lacks all of it: the order of the cogging, its size and the friction beside it. By hand 36 % of the spread.
+TEST_F(SlowRealData, DiagnoseNamesTheCoggingOfAMotorAndItsFriction) {
+  const std::string forward = Data("cogging_motor/static_train_forward.csv");
+  if (!fs::exists(forward)) GTEST_SKIP() << forward << " is not here";
+  const nlohmann::json result = bench_.Json({"diagnose", Real("cogging_standstill.toml"), "--data", forward,
+                                             "--holdout", Data("cogging_motor/static_holdout_backward.csv"), "--map",
+                                             Real("cogging_static_map.toml"), "--out", "found"});
+  EXPECT_EQ(result["verdict"], "main_cause") << result.dump(1);
+  ASSERT_EQ(result["effects"].size(), 2u) << result.dump(1);
+  const nlohmann::json& cogging = result["effects"][0];
+  EXPECT_EQ(cogging["name"], "torque_ripple");
+  EXPECT_NEAR(cogging["parameters"]["n"]["value"].get<double>(), 72.0, 0.05) << cogging.dump(1);
+  EXPECT_LT(cogging["parameters"]["n"]["ci95"][0], 72.0);
+  EXPECT_NEAR(cogging["parameters"]["A"]["value"].get<double>(), 0.183, 0.01) << cogging.dump(1);
+  EXPECT_THAT(result["effects"][1]["name"].get<std::string>(), ::testing::HasSubstr("friction"));
+  EXPECT_LT(result["gain"]["holdout"]["F"]["nrmse_after"], 1.1 * 0.363);  // 0.356
+}
+
 // A meter that shows no sign, and a delay, found in one record (least squares with an exact propagation and exact delay: 0.184). The drive's
 // gain grows with its voltage (static: 2.1 at 1 V, 3.0 at 1.5 V), so that no numbers of a linear drive explain the other record, by
 // that least squares (1.08) as here; the 38 % told of by hand are those of records that each have a gain of their own.
@@ -173,7 +192,9 @@ TEST_F(SlowRealData, DiagnoseFindsTheSpringThatHardens) {
   ASSERT_EQ(result["effects"].size(), 1u) << result.dump(1);
   EXPECT_EQ(result["effects"][0]["name"], "cubic_stiffness");
   EXPECT_EQ(result["effects"][0]["at"], "shaft:spring");
-  EXPECT_EQ(result["verdict"], "effect_found") << result.dump(1);
+  // The oscillator is a little asymmetric, too: 0.6 % of the spread is left, of which the tests of 2000 samples tell that it is no noise.
+  EXPECT_EQ(result["verdict"], "main_cause") << result.dump(1);
+  EXPECT_GT(result["explained"]["share"], 0.99) << result.dump(1);
   EXPECT_GT(result["gain"]["holdout"]["y"]["gain_ci95"][0], 0.05) << result.dump(1);
   EXPECT_EQ(bench_.Call({"validate", "found/extended.toml"}).exit, 0);
 }

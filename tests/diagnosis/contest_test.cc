@@ -42,5 +42,31 @@ TEST(Contest, CarriesWhatAnotherPassHasAdmitted) {
     EXPECT_NE(fit.broken, "not fitted") << "went through all levels";
 }
 
+/// A gain for the line with its gap open makes the closed one swing: there the record's last digits correct the run away from what it is
+/// without any correction, and nothing is told.
+TEST(NullOf, LeavesALevelAtWhichTheRecordUpsetsARightModel) {
+  const Plan plan = Scenario("scenarios/backlash/experiment_1.toml", {});
+  const MappedRecord record =
+      RecordOf(plan, 0.0, {"T_1", "T_2", "T_m1", "T_m2", "omega_1", "omega_2", "omega_3", "omega_d", "phi_d"});
+  const auto levels = Levels::Of(plan, {record}, testing::BuiltIns(), 0.0, 1000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const Contestant null = NullOf(plan, false, **levels, testing::BuiltIns());
+  ASSERT_TRUE(null.Holds((*levels)->free_run())) << null.levels.back().broken;
+  EXPECT_TRUE(IsExact(null.levels.back()));
+  for (std::size_t level = 0; level < (*levels)->free_run(); ++level)
+    EXPECT_TRUE(!null.Holds(level) || IsNearTheNoise(null.levels[level])) << (*levels)->Name(level);
+}
+
+/// Until it acts, an adaptive control's outputs stand still, some of them at 0: of these noise is nothing, and neither is what rounding makes.
+TEST(NullOf, IsExactBesideOutputsThatStandStill) {
+  const Plan plan = Scenario("scenarios/heavy_duty/control_c_oscillation.toml", {"run.duration_s=0.2"});
+  const MappedRecord record = RecordOf(plan, 0.0, {"T_shaft", "omega_1", "eta_1", "notch_1", "outcome", "placements"});
+  const auto levels = Levels::Of(plan, {record}, testing::BuiltIns(), 0.0, 1000);
+  ASSERT_TRUE(levels.ok()) << levels.failure().ToString();
+  const Contestant null = NullOf(plan, false, **levels, testing::BuiltIns());
+  ASSERT_TRUE(null.Holds((*levels)->free_run())) << null.levels.back().broken;
+  EXPECT_TRUE(IsExact(null.levels.back()));
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis

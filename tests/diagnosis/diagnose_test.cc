@@ -169,5 +169,26 @@ TEST(SlowDiagnose, NamesTwoCausesOneAfterTheOther) {
   EXPECT_NEAR(sizes["sensor_gain@output:omega_1"], 1.08, 0.01);
 }
 
+/// A plant without states and without numbers of its own: one level, and columns of effects alone.
+TEST(Diagnose, NamesWhatAMotorWithoutNumbersLacks) {
+  const Plan plan = estimation::HeldMotor(100);
+  const MappedRecord record =
+      estimation::Slower(RecordOf(WithEffect(plan, "torque_ripple", "inertia:rotor", {0.1, 72.0, 0.5}), 0.1, {"F"}), 5);
+  DiagnoseOptions options;
+  const fs::path folder = fs::temp_directory_path() / ("diagnose_motor_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  options.out = folder.string();
+  options.scenario_file = "tests/real/cogging_standstill.toml";
+  const Result<Diagnosis> found = Diagnose(plan, {record}, {}, testing::BuiltIns(), options);
+  fs::remove_all(folder);
+  ASSERT_TRUE(found.ok()) << found.failure().ToString();
+  EXPECT_EQ(found->verdict, Conclusion::kEffectFound) << found->reason << "\n" << ToText(found->journal);
+  ASSERT_EQ(found->effects.size(), 1u);
+  EXPECT_EQ(found->effects[0].name, "torque_ripple");
+  const FoundParameter& order = found->effects[0].parameters[1];
+  EXPECT_LT(order.lower, 72.0);
+  EXPECT_GT(order.upper, 72.0);
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis

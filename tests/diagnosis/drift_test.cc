@@ -127,5 +127,19 @@ TEST(Drift, OfAllSensorsIsFoundBesideOneThatIsLate) {
   EXPECT_LT(drifts.leaves, policy::kDriftsAlone);
 }
 
+/// A model without numbers of its own has rows all the same; one that lacks something else drifts nowhere.
+TEST(Drift, IsAskedForBesideAModelWithoutNumbers) {
+  const Plan plan = estimation::HeldMotor(20);
+  const MappedRecord record =
+      RecordOf(WithEffect(plan, "torque_ripple", "inertia:rotor", {0.1, 30.0, 0.5}), 0.05, {"F"});
+  const std::unique_ptr<Levels> levels = LevelsOf(plan, record);
+  const Contestant null = NullOf(plan, false, *levels, testing::BuiltIns());
+  ASSERT_TRUE(null.Holds(levels->free_run()));
+  EXPECT_EQ(null.levels[levels->free_run()].jacobian.rows(), levels->data().measured().size());
+  const std::optional<Drifts> drifts =
+      FindDrifts(plan, std::vector{null}, *levels, levels->free_run(), testing::BuiltIns());
+  EXPECT_TRUE(!drifts || !drifts->Found());
+}
+
 }  // namespace
 }  // namespace dynoproof::diagnosis

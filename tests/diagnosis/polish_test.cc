@@ -1,4 +1,6 @@
 // A model that is named is fitted to the minimum itself, in the substeps that its scenario asks for.
+#include "diagnosis/polish.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -74,6 +76,55 @@ TEST(Polish, SimulatesInTheSubstepsOfTheScenario) {
   named.Polish(plan);
   EXPECT_EQ(named.substeps(), SubstepsOf(plan));
   EXPECT_LT(std::abs(named.value() / kLag_s - 1.0), 1e-5);
+}
+
+/// A motor that cogs, fitted in its free run from these values.
+Contestant FittedRipple(const Plan& plan, const Levels& levels, const std::vector<double>& from) {
+  Contestant ripple(NullHypothesis(plan, false, levels, testing::BuiltIns())
+                        .With(*testing::BuiltIns().FindEffect("torque_ripple"), *ParsePlace("inertia:rotor"), {}));
+  ripple.levels.resize(levels.size());
+  Eigen::VectorXd q = ripple.hypothesis.start();
+  for (std::size_t i = 0; i < from.size(); ++i)
+    q[static_cast<Eigen::Index>(i)] = ripple.hypothesis.parameters()[i].CoordinateOf(from[i]);
+  ripple.levels[levels.free_run()] = estimation::Fit(ripple.hypothesis, levels[levels.free_run()], q);
+  EXPECT_TRUE(ripple.Holds(levels.free_run())) << ripple.levels[levels.free_run()].broken;
+  return ripple;
+}
+
+/// Three periods of a cogging motor tell its order to a few per cent, thirty to a tenth of that.
+TEST(FitToAll, TellsByTheWholeOfARecordWhatItsFirstPartHardlyTells) {
+  constexpr double kOrder = 90.4, kPart_s = 20.0, kWhole_s = 200.0;
+  const Plan plan = estimation::HeldMotor(200);
+  const std::vector<MappedRecord> records = {estimation::Slower(
+      RecordOf(WithEffect(plan, "torque_ripple", "inertia:rotor", {0.1, kOrder, 0.5}), 0.3, {"F"}), 25)};
+  const auto levels = *Levels::Of(plan, records, testing::BuiltIns(), 0.0, 4000, nullptr, kPart_s);
+  const std::size_t level = levels->free_run();
+  Contestant ripple = FittedRipple(plan, *levels, {0.08, 90.0, 0.6});
+  const estimation::Parameter& order = ripple.hypothesis.parameters()[1];
+  const Eigen::VectorXd part = ripple.levels[level].q;
+  const Eigen::VectorXd of_part = HalfIntervalOf(ripple.levels[level], levels->data(), ripple.hypothesis);
+
+  EXPECT_GT(FitToAll(ripple, *levels, level, records, plan, testing::BuiltIns()), 0.0);
+
+  ASSERT_TRUE(ripple.to_all.has_value());
+  EXPECT_EQ(ripple.levels[level].q, part) << "levels remain what the search has compared";
+  const auto& [of_all, half] = *ripple.to_all;
+  const double truth = order.CoordinateOf(kOrder);
+  EXPECT_LT(std::abs(of_all[1] - truth), 0.2 * of_part[1]);
+  EXPECT_LT(std::abs(of_all[1] - truth), 1.5 * half[1]);  // three standard errors
+  EXPECT_LT(half[1], 0.1 * of_part[1]) << "as the power 3/2 of the length, " << std::pow(kWhole_s / kPart_s, -1.5);
+}
+
+TEST(FitToAll, LeavesAnExactModelAsItIsWhereASearchHasSeenEverything) {
+  const Plan plan = estimation::HeldMotor(20);
+  const std::vector<double> truth = {0.1, 30.0, 0.5};
+  const std::vector<MappedRecord> records = {
+      RecordOf(WithEffect(plan, "torque_ripple", "inertia:rotor", truth), 0.05, {"F"})};
+  const auto levels = *Levels::Of(plan, records, testing::BuiltIns(), 0.0, 4000);
+  Contestant ripple = FittedRipple(plan, *levels, truth);
+  ASSERT_TRUE(IsExact(ripple.levels[levels->free_run()]));
+  EXPECT_EQ(FitToAll(ripple, *levels, levels->free_run(), records, plan, testing::BuiltIns()), 0.0);
+  EXPECT_FALSE(ripple.to_all.has_value());
 }
 
 }  // namespace

@@ -278,6 +278,18 @@ TEST_F(SettleTest, WhereNoModelIsExactAThousandthLessIsNoReason) {
   EXPECT_EQ(apart.causes, std::vector<std::size_t>{1});
 }
 
+/// Dahl's law has two numbers and Stribeck's three: where they leave alike, the one with more of them stands only if it predicts better.
+TEST_F(SettleTest, OfLawsThatRefineTheSameOneMoreNumbersStandForABetterPrediction) {
+  const auto with = [&](double dahl, double stribeck) {
+    return SettledOf({{.effect = "dahl_friction", .at = "inertia:I5", .share = 0.3, .held_out = dahl},
+                      {.effect = "stribeck_friction", .at = "inertia:I5", .share = 0.3002, .held_out = stribeck}});
+  };
+  const Settled plainer = with(0.09, 0.12), better = with(0.12, 0.09);
+  EXPECT_EQ(plainer.verdict, Conclusion::kMainCause) << plainer.reason;
+  EXPECT_EQ(plainer.causes, std::vector<std::size_t>{1});
+  EXPECT_EQ(better.verdict, Conclusion::kAmbiguous) << better.reason;
+}
+
 /// The journal gives the weight of the null model and its standard error at each level at which models were compared.
 TEST_F(SettleTest, TheJournalHoldsTheWeightsThatDecided) {
   for (const double left : {0.0, 0.2}) {  // by weights, and by shares

@@ -39,6 +39,17 @@ TEST(DataSet, WithoutNoiseCountsAsMeasuredToATenThousandthOfTheSpread) {
   EXPECT_EQ(channel.noise, std::max(channel.white, 1e-4 * channel.spread));
 }
 
+/// A signal that stands still has no spread: squares over its noise are numbers all the same.
+TEST(DataSet, WhatStandsStillCountsAsMeasuredToABillionthOfItsSize) {
+  const Plan plan = FourMasses(0.3);
+  MappedRecord record = RecordOf(plan, 0.0, {"omega_4"});
+  Series& still = record.outputs.at("omega_4");
+  still.values = std::make_shared<const std::vector<double>>(still.values->size(), 3.0);
+  const double size = plan.root.NumberOr("output.omega_4.nominal", 0.0);
+  ASSERT_GT(size, 0.0);
+  EXPECT_EQ(DataSet({record}, plan).channels().front().noise, 1e-9 * size);
+}
+
 TEST(DataSet, TakesAStretchAndNoMoreRowsThanIsAsked) {
   const Plan plan = FourMasses(0.5);
   const MappedRecord record = RecordOf(plan, 0.01, {"T_shaft", "omega_1"});

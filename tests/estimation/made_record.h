@@ -37,6 +37,16 @@ inline Plan Reversing() {
                    "input.T_airgap.source.sources.1.phases_rad=[1.5707963267948966]"});
 }
 
+/// A motor that is turned by two radians within these seconds, in a model that has no numbers of its own: its current holds it.
+inline Plan HeldMotor(int duration_s) {
+  const std::string end = std::to_string(duration_s) + ".0";
+  return Scenario(
+      "tests/real/cogging_standstill.toml",
+      {"run.duration_s=" + end, "input.x.source.times_s=[0.0, " + end + "]", "input.x.source.values=[0.0, 2.0]",
+       "input.v.source.times_s=[0.0, " + end + "]",
+       "input.v.source.values=[" + std::to_string(2.0 / duration_s) + ", " + std::to_string(2.0 / duration_s) + "]"});
+}
+
 inline Plan WithEffect(Plan plan, const std::string& effect, const std::string& at,
                        const std::vector<double>& parameters) {
   const Effect* known = testing::BuiltIns().FindEffect(effect);

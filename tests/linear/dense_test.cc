@@ -37,5 +37,12 @@ TEST(CovarianceOf, WhatNothingTellsOfIsNotKnown) {
   EXPECT_NEAR(sum.dot(covariance * sum), 0.5, 1e-3) << "and of the sum as much as there is";
 }
 
+TEST(Dense, AModelWithoutNumbersHasEmptyDecompositions) {
+  EXPECT_EQ(PseudoInverse(MatrixXd(0, 0)).size(), 0);
+  EXPECT_EQ(CovarianceOf(MatrixXd(0, 0)).size(), 0);
+  EXPECT_EQ(PseudoInverse(MatrixXd(5, 0)).cols(), 5);
+  EXPECT_EQ(LeastSquares(MatrixXd(5, 0), Eigen::VectorXd::Ones(5)).size(), 0);
+}
+
 }  // namespace
 }  // namespace dynoproof::dense
