@@ -170,11 +170,13 @@ Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
       findings.push_back({true, "short", channel.name, few, count, 0.0});
       continue;
     }
+    const double simulated_spread = Spread(predicted);
     if (!(channel.spread > 1e-12 * channel.nominal)) {
-      findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
+      constexpr double kRounding = 1e-9;  // of its usual size
+      if (simulated_spread > kRounding * channel.nominal)
+        findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
       continue;
     }
-    const double simulated_spread = Spread(predicted);
     if (!(simulated_spread > 0.0)) continue;
     const double own = Correlation(measured, predicted);
     // Swapped: clearly more like another output of the same record than like its own, and not of its own size beside

@@ -108,7 +108,7 @@ double NrmseOf(const Contestant& one, const Levels& levels, std::size_t level) {
   double sum = 0.0;
   const std::vector<estimation::Channel>& channels = levels.data().channels();
   for (std::size_t c = 0; c < channels.size(); ++c)
-    sum += std::pow(one.levels[level].scales[c].rms / std::max(channels[c].spread, 1e-300), 2);
+    sum += std::pow(channels[c].OfSpread(one.levels[level].scales[c].rms), 2);
   return std::sqrt(sum / static_cast<double>(channels.size()));
 }
 
@@ -301,7 +301,7 @@ Status Describe(const Task& task, const Levels& levels, const Contest& contest, 
     const auto rows = fit.innovations.segment(channel.begin, channel.count);
     result.residual_by_signal[channel.name] =
         std::sqrt(rows.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, channel.count)));
-    floor += std::pow(channel.noise / std::max(channel.spread, 1e-300), 2);
+    floor += std::pow(channel.OfSpread(channel.noise), 2);
   }
   result.noise_floor = std::sqrt(floor / static_cast<double>(floors.size()));
   result.at_noise_floor = IsExact(fit);

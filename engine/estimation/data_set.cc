@@ -55,6 +55,7 @@ DataSet::DataSet(std::vector<MappedRecord> records, const Plan& plan, const Opti
       const Channel* known = options.noise_of != nullptr ? Find(options.noise_of->channels(), r, name) : nullptr;
       channel.white = known != nullptr ? known->white : score::WhiteNoise(y);
       const double size = std::abs(plan.root.NumberOr("output." + name + ".nominal", 0.0));
+      channel.still = !(channel.spread > kRounding * size);
       channel.noise = known != nullptr
                           ? known->noise
                           : std::max({channel.white, kLeastNoise * channel.spread, kRounding * size, 1e-100});

@@ -18,7 +18,11 @@ struct Channel {
   double white = 0.0;   // standard deviation of its white noise, as differences of the sixth order show it
   double noise =
       0.0;  // what it counts as measured to: the noise, at least 1e-4 of the spread, 1e-9 of its nominal size
+  bool still = false;   // no more than rounding moves it
   Eigen::Index begin = 0, count = 0;
+
+  /// A difference over the signal's spread; of a signal that stands still, which has none, 0.
+  double OfSpread(double difference) const { return still ? 0.0 : difference / spread; }
 };
 
 class DataSet {

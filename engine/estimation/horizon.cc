@@ -43,7 +43,7 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
   Horizon horizon;
   horizon.in_motion = record.in_motion;
   horizon.seen_s = end_s, horizon.record_s = record.end_s;
-  for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.noise / channel.spread;
+  for (const Channel& channel : whole.channels()) horizon.noise[channel.name] = channel.OfSpread(channel.noise);
   const auto look = [&](const Predictor& predictor) -> Result<HorizonLevel> {
     const Result<Prediction> there = predictor.Predict(plan);
     if (!there.ok()) return there.failure();
@@ -53,8 +53,8 @@ Result<std::optional<Horizon>> Look(Plan plan, MappedRecord record, const Regist
     for (const Channel& channel : predictor.data().channels()) {
       const double rms = std::sqrt(there->innovations.segment(channel.begin, channel.count).squaredNorm() /
                                    static_cast<double>(channel.count));
-      level.nrmse[channel.name] = rms / channel.spread;
-      level.by_noise[channel.name] = there->noise_alone[c] / channel.spread;
+      level.nrmse[channel.name] = channel.OfSpread(rms);
+      level.by_noise[channel.name] = channel.OfSpread(there->noise_alone[c]);
       level.at_noise = level.at_noise && rms <= kAtNoise * there->noise_alone[c];
       ++c;
     }

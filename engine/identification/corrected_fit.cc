@@ -42,8 +42,7 @@ Parameter ParameterOf(const FreeKey& key, double nominal) {
 double NrmseOf(const DataSet& data, const Eigen::VectorXd& innovations) {
   double sum = 0.0, rows = 0.0;
   for (const estimation::Channel& channel : data.channels()) {
-    sum +=
-        innovations.segment(channel.begin, channel.count).squaredNorm() / std::pow(std::max(channel.spread, 1e-300), 2);
+    sum += std::pow(channel.OfSpread(innovations.segment(channel.begin, channel.count).norm()), 2);
     rows += static_cast<double>(channel.count);
   }
   return std::sqrt(sum / std::max(rows, 1.0));

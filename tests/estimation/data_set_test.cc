@@ -47,7 +47,9 @@ TEST(DataSet, WhatStandsStillCountsAsMeasuredToABillionthOfItsSize) {
   still.values = std::make_shared<const std::vector<double>>(still.values->size(), 3.0);
   const double size = plan.root.NumberOr("output.omega_4.nominal", 0.0);
   ASSERT_GT(size, 0.0);
-  EXPECT_EQ(DataSet({record}, plan).channels().front().noise, 1e-9 * size);
+  const DataSet data({record}, plan);
+  EXPECT_EQ(data.channels().front().noise, 1e-9 * size);
+  EXPECT_EQ(data.channels().front().OfSpread(size), 0.0);
 }
 
 TEST(DataSet, TakesAStretchAndNoMoreRowsThanIsAsked) {
