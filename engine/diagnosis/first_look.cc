@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "base/parallel.h"
 #include "diagnosis/carry.h"
@@ -53,6 +56,82 @@ Contestant NotFitted(const Trial& candidate, const Sketch& sketch, const Levels&
   return one;
 }
 
+/// Works on `count` in parts, between which `ended` says whether that is enough, and tells the progress, from a share of all work to another.
+void InParts(std::size_t count, double from, double to, const Conduct& conduct,
+             const std::function<bool(std::size_t)>& ended, const std::function<void(std::size_t)>& work) {
+  constexpr std::size_t kAtOnce = 16;
+  std::atomic<std::size_t> done = 0;
+  for (std::size_t begin = 0; begin < count && !ended(begin); begin += kAtOnce) {
+    ParallelFor(std::min(kAtOnce, count - begin), 0, [&](std::size_t i) {
+      work(begin + i);
+      conduct.progress(from + (to - from) * static_cast<double>(++done) / static_cast<double>(count));
+    });
+  }
+}
+
+constexpr double kSketched = 0.6;  // of the work
+
+/// What each candidate promises beside the null, from an interrupted search where that knows it.
+std::vector<Sketch> SketchesOf(const std::vector<Trial>& candidates, const Screens& screens, const Contestant& null,
+                               std::size_t level, const Conduct& conduct) {
+  constexpr Index kBeside = 3;  // of a sketch beside its coordinates
+  std::vector<Sketch> sketches(candidates.size());
+  const auto spent = [&](std::size_t) { return conduct.spent(); };
+  InParts(candidates.size(), 0.0, kSketched, conduct, spent, [&](std::size_t i) {
+    const VectorXd from = StartFrom(candidates[i].hypothesis, null.hypothesis, null.levels[level].q);
+    const std::string name = candidates[i].hypothesis.Name() + ", first look";
+    if (const std::optional<VectorXd> known = conduct.Recall(name, level, from.size() + kBeside))
+      sketches[i] = {known->head(from.size()), known->tail(3)[0], known->tail(2)[0], known->tail(1)[0]};
+    else
+      sketches[i] = SketchOf(candidates[i], screens, from);
+    VectorXd kept(from.size() + kBeside);
+    kept << sketches[i].q, sketches[i].removes, sketches[i].moves.value_or(policy::kUnseen),
+        sketches[i].next.value_or(1.0);
+    conduct.Keep(name, level, kept);
+  });
+  return sketches;
+}
+
+/// Those worth a fit, what promises most first.
+std::vector<std::size_t> Promising(const Contestant& null, const Levels& levels, std::size_t level,
+                                   const std::vector<Sketch>& sketches, std::size_t most) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < sketches.size(); ++i) {
+    if (sketches[i].removes >= 0.0) order.push_back(i);
+  }
+  std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t i) { return sketches[i].removes; });
+  order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches, most)));
+  return order;
+}
+
+/// Follows the best of what was fitted: where it leads to the noise, the others need no fit.
+class Follower {
+ public:
+  Follower(const Contestant& null, const Levels& levels, std::size_t level, bool asked)
+      : null_(null), levels_(levels), level_(level) {
+    const std::size_t free = levels.free_run();
+    follows_ = asked && !(null.Holds(free) && IsExact(null.levels[free]));
+  }
+
+  /// Whether the best of these is exact; one that was asked for before is not asked for again.
+  bool Arrives(std::span<const std::optional<Contestant>> fitted) {
+    if (!follows_ || fitted.empty()) return false;
+    const auto share = [](const std::optional<Contestant>& one) { return one->share; };
+    const auto* best = &*std::ranges::max_element(fitted, {}, share);
+    arrived_ = best != followed_ && IsExactInFreeRun(**best, null_, levels_, level_);
+    followed_ = best;
+    return arrived_;
+  }
+  bool arrived() const { return arrived_; }
+
+ private:
+  const Contestant& null_;
+  const Levels& levels_;
+  std::size_t level_;
+  bool follows_ = false, arrived_ = false;
+  const std::optional<Contestant>* followed_ = nullptr;
+};
+
 }  // namespace
 
 Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Contestant& null, const Levels& levels,
@@ -83,64 +162,24 @@ Contestant FitOnce(const estimation::Hypothesis& model, VectorXd from, const Con
 
 Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level, const Magnitudes& magnitudes,
                  const Registry& registry, const Conduct& conduct, const Scope& scope) {
-  constexpr std::size_t kAtOnce = 16;  // between two questions whether to go on
-  constexpr double kSketched = 0.6;    // of the work
   std::vector<Trial> candidates = TrialsOf(null.hypothesis, levels, magnitudes, registry);
   std::erase_if(candidates, [&](const Trial& candidate) { return !scope.takes(candidate); });
   const Screens screens(null, levels, level);
-  std::atomic<std::size_t> done = 0;
-  const auto in_parts = [&](std::size_t count, double from, double to, const auto& ended, const auto& work) {
-    done = 0;
-    for (std::size_t begin = 0; begin < count && !ended(begin); begin += kAtOnce) {
-      ParallelFor(std::min(kAtOnce, count - begin), 0, [&](std::size_t i) {
-        work(begin + i);
-        conduct.progress(from + (to - from) * static_cast<double>(++done) / static_cast<double>(count));
-      });
-    }
-  };
-  const auto spent = [&](std::size_t) { return conduct.spent(); };
-  std::vector<Sketch> sketches(candidates.size());
-  constexpr Index kBeside = 3;  // of a sketch beside its coordinates
-  in_parts(candidates.size(), 0.0, kSketched, spent, [&](std::size_t i) {
-    const VectorXd from = StartFrom(candidates[i].hypothesis, null.hypothesis, null.levels[level].q);
-    const std::string name = candidates[i].hypothesis.Name() + ", first look";
-    if (const std::optional<VectorXd> known = conduct.Recall(name, level, from.size() + kBeside))
-      sketches[i] = {known->head(from.size()), known->tail(3)[0], known->tail(2)[0], known->tail(1)[0]};
-    else
-      sketches[i] = SketchOf(candidates[i], screens, from);
-    VectorXd kept(from.size() + kBeside);
-    kept << sketches[i].q, sketches[i].removes, sketches[i].moves.value_or(policy::kUnseen),
-        sketches[i].next.value_or(1.0);
-    conduct.Keep(name, level, kept);
-  });
+  const std::vector<Sketch> sketches = SketchesOf(candidates, screens, null, level, conduct);
   Looked looked;
-  std::vector<std::size_t> order;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (sketches[i].removes >= 0.0) order.push_back(i);
     if (sketches[i].IsSilent()) looked.silent.push_back(Silence(candidates[i]));
   }
-  std::ranges::stable_sort(order,
-                           [&](std::size_t a, std::size_t b) { return sketches[a].removes > sketches[b].removes; });
-  order.resize(std::min(order.size(), WorthFitting(null, levels, level, order, sketches, scope.most_fits)));
+  const std::vector<std::size_t> order = Promising(null, levels, level, sketches, scope.most_fits);
   std::vector<std::optional<Contestant>> seen(order.size());
   // Where the null leaves nothing but noise, so does a candidate only once nominal values have given it back what they had taken on: a
   // fit that begins without that leads it back to nothing.
   const bool swallowed = !HasExcess(null.levels[level], levels.data());
-  // The best of those that were fitted is followed: where it leads to the noise the others need no fit.
-  const std::size_t free = levels.free_run();
-  const bool follows = scope.until_exact && !(null.Holds(free) && IsExact(null.levels[free]));
-  const std::optional<Contestant>* followed = nullptr;
-  bool exact = false;
+  Follower follower(null, levels, level, scope.until_exact);
   const auto enough = [&](std::size_t begin) {
-    if (follows && begin > 0) {
-      const auto* best = &*std::max_element(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(begin),
-                                            [](const auto& a, const auto& b) { return a->share < b->share; });
-      exact = best != followed && IsExactInFreeRun(**best, null, levels, level);
-      followed = best;
-    }
-    return exact || conduct.spent();
+    return follower.Arrives(std::span(seen).first(begin)) || conduct.spent();
   };
-  in_parts(order.size(), kSketched, 1.0, enough, [&](std::size_t i) {
+  InParts(order.size(), kSketched, 1.0, conduct, enough, [&](std::size_t i) {
     const Trial& candidate = candidates[order[i]];
     VectorXd from = sketches[order[i]].q;
     if (swallowed) from = screens.here.Followed(candidate, from, screens.here.Of(candidate, from));
@@ -151,8 +190,8 @@ Looked FirstLook(const Contestant& null, const Levels& levels, std::size_t level
     if (one && (one->Holds(level) || (scope.levels > 1 && one->Holds(level + 1))))
       looked.ranked.push_back(*std::move(one));
   }
-  std::ranges::stable_sort(looked.ranked, [](const Contestant& a, const Contestant& b) { return a.share > b.share; });
-  for (std::size_t i = 0; exact && i < seen.size(); ++i) {
+  std::ranges::stable_sort(looked.ranked, std::ranges::greater(), &Contestant::share);
+  for (std::size_t i = 0; follower.arrived() && i < seen.size(); ++i) {
     if (!seen[i]) looked.ranked.push_back(NotFitted(candidates[order[i]], sketches[order[i]], levels));
   }
   return looked;

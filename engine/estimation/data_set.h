@@ -16,8 +16,7 @@ struct Channel {
   std::string name, unit;
   double spread = 0.0;  // standard deviation of the signal
   double white = 0.0;   // standard deviation of its white noise, as differences of the sixth order show it
-  double noise =
-      0.0;  // what it counts as measured to: the noise, at least 1e-4 of the spread, 1e-9 of its nominal size
+  double noise = 0.0;   // what it counts as measured to: that, at least 1e-4 of the spread, 1e-9 of its nominal size
   bool still = false;   // no more than rounding moves it
   Eigen::Index begin = 0, count = 0;
 
