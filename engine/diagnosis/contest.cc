@@ -38,13 +38,12 @@ void FitAlong(Contestant& one, const Levels& levels, Eigen::VectorXd from) {
 }
 
 Contestant NullOf(const Plan& plan, bool released, const Levels& levels, const Registry& registry) {
-  constexpr double kAmplifies = 10.0;
   Contestant null(NullHypothesis(plan, released, levels, registry));
   FitAlong(null, levels, null.hypothesis.start());
   const estimation::Estimate& free = null.levels[levels.free_run()];
   for (std::size_t level = 0; level < levels.free_run() && free.ok(); ++level) {
     estimation::Estimate& fit = null.levels[level];
-    if (fit.ok() && TimesNoise(fit) > kAmplifies * std::max(1.0, TimesNoise(free)))
+    if (fit.ok() && TimesNoise(fit) > policy::kAmplifies * std::max(1.0, TimesNoise(free)))
       fit.broken = "the record corrects away from itself what the free run has right";
   }
   return null;

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "diagnosis/value_check.h"
+#include "estimation/data_set.h"
 #include "experiment/gaps.h"
 #include "identification/suspects.h"
 #include "score/fft.h"
@@ -172,8 +173,7 @@ Result<std::vector<Finding>> CheckAgainst(const EstimationProblem& problem) {
     }
     const double simulated_spread = Spread(predicted);
     if (!(channel.spread > 1e-12 * channel.nominal)) {
-      constexpr double kRounding = 1e-9;  // of its usual size
-      if (simulated_spread > kRounding * channel.nominal)
+      if (simulated_spread > estimation::kRounding * channel.nominal)
         findings.push_back({true, "constant", channel.name, "is constant, the simulation moves", 0, 0.0});
       continue;
     }

@@ -18,6 +18,9 @@ inline constexpr double kMostOfRecord = 1.0 / 3.0;
 inline constexpr double kNoiseSize = 1.2;
 /// Power beyond the noise's at which an effect may show [of the noise's power; standard errors].
 inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
+/// RMS over what noise alone causes that a null leaves at a level, over that of its free run, from which on the record corrects away from itself what
+/// needs no correction: 1700 behind a gap whose gain was not made for it. Corrections that serve leave less than the free run.
+inline constexpr double kAmplifies = 10.0;
 /// How well the power of noise is known [of itself]: sixth differences of white noise tell it to that.
 inline constexpr double kNoiseKnown = 0.02;
 /// Candidates that are fitted at a first look, of the some hundred whose one or two runs beside the null promise most.

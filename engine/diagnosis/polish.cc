@@ -38,7 +38,7 @@ double FitToAll(Contestant& contestant, const Levels& levels, std::size_t level,
     return std::ranges::max_element(all, {}, &MappedRecord::end_s)->end_s;
   };
   const double searched_s = length(levels.data().records()), all_s = std::min(length(records), kMost * searched_s);
-  const bool exact = IsExact(contestant.levels[level]);
+  const bool exact = level == levels.free_run() && IsExact(contestant.levels[level]);
   if (exact && !(all_s > searched_s)) return 0.0;
   const auto free_run = [&](const VectorXd& at, const Levels& part) {
     return LogLeftAt(at, model, part, part.free_run());

@@ -15,7 +15,7 @@ bool Polish(Contestant& contestant, const Contestant& null, const Levels& levels
 
 /// Fits a model that is named to all of what models are fitted to, `records`, or to ten times the part that the search has looked at: an order
 /// of an angle is told by the whole of a record only. From where it was, over ever longer parts, for the error of a longer run has more
-/// minima. One that leaves nothing but noise goes on while it does so, any other while its free run leaves no more than before; else
+/// minima. One that leaves nothing but noise in its free run goes on while it does so, any other while its free run leaves no more than before; else
 /// it stays as it was. Returns the simulations beside those of `levels`, of as much as these simulate.
 double FitToAll(Contestant& contestant, const Levels& levels, std::size_t level,
                 const std::vector<MappedRecord>& records, const Plan& plan, const Registry& registry);

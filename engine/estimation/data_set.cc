@@ -12,7 +12,6 @@ namespace dynoproof::estimation {
 namespace {
 
 constexpr double kLeastNoise = 1e-4;  // of the spread: what a simulation is good for
-constexpr double kRounding = 1e-9;    // of the usual size: what it is good for where a signal stands still
 
 /// The rows up to `end_s`.
 Series Until(const Series& series, double end_s) {

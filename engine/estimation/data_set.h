@@ -10,6 +10,9 @@
 
 namespace dynoproof::estimation {
 
+/// What rounding moves a signal that stands still [of its usual size].
+inline constexpr double kRounding = 1e-9;
+
 /// One measured output of one record: rows [begin, begin + count) of the vector.
 struct Channel {
   std::size_t record = 0;

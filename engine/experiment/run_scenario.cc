@@ -128,8 +128,9 @@ trace::Trace SampledTrace(const Rig& rig, const Samples& samples) {
   trace.time = samples.time;
   for (std::size_t i = 0; i < rig.inputs.size(); ++i) {
     const InputLine& line = rig.inputs[i];
-    trace.signals.push_back(
-        {line.name, line.unit, line.description, line.nominal, trace::Interpolation::kHold, samples.inputs[i]});
+    // What a continuous part drives moves between samples, too.
+    const auto between = line.continuous ? trace::Interpolation::kLinear : trace::Interpolation::kHold;
+    trace.signals.push_back({line.name, line.unit, line.description, line.nominal, between, samples.inputs[i]});
   }
   for (std::size_t i = 0; i < rig.outputs.size(); ++i) {
     const OutputLine& line = rig.outputs[i];

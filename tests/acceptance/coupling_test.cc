@@ -50,6 +50,16 @@ TEST(Coupling, SaysWhatIsWrong) {
   EXPECT_EQ(bench.Call({"coupling", "diagnose/coupling", "--data", "none.csv"}).exit, 2);
 }
 
+/// The engine's torque is a signal of a continuous part: held over a period it came half of one late, 0.5 % of the flange's torque.
+TEST(Coupling, ItsOwnTraceDrivesAnEngineAsItWas) {
+  const Bench bench;
+  bench.Call({"run", "coupling/idle_oil", "--set", "run.duration_s=0.2", "--out", "own"});
+  bench.Call({"run", "coupling/idle_oil", "--data", "own/coupling/idle_oil.h5", "--json", "run.json"});
+  const nlohmann::json run = nlohmann::json::parse(ReadBytes(bench / "run.json"));
+  for (const char* name : {"T.nrmse", "omega_d.nrmse"})
+    EXPECT_LT(run["scenarios"][0]["figures"][name]["value"].get<double>(), 1e-4) << name;
+}
+
 /// The scenario for diagnosis with the oil's dynamics as hidden truth: solver, second solver and oracle still agree.
 TEST(Coupling, OilDynamicsHoldAgainstTheOracle) {
   const Bench bench;
