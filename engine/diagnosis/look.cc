@@ -85,7 +85,8 @@ void AddOf(const ComparedOutput& channel, const std::string& title, const Course
     residual.curves.push_back(Named("after", c.time, after));
     spectrum.curves.push_back(SpectrumOf("after", c.time, after));
   }
-  pictures.insert(pictures.end(), {overlay, residual, spectrum});
+  pictures.insert(pictures.end(), {overlay, residual});
+  if (!spectrum.curves.front().x.empty()) pictures.push_back(spectrum);  // uneven steps have none
 }
 
 /// The plan as the records were found to start.
