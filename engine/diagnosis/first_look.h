@@ -15,8 +15,8 @@
 namespace dynoproof::diagnosis {
 
 struct Looked {
-  std::vector<Contestant>
-      ranked;  // those that remove most first; then those that were not fitted, at what they promise
+  /// Those that remove most first; then those that were not fitted, at what they promise.
+  std::vector<Contestant> ranked;
   std::vector<NotTestable>
       silent;  // at no size that was tried do they move an output so that it shows beside the noise
 };

@@ -57,13 +57,14 @@ bool NobodySees(const Levels& levels, const Plan& plan, const Eigen::VectorXd& o
 }  // namespace
 
 double SearchedUntil(const Plan& plan, const std::vector<MappedRecord>& records) {
-  double until_s = policy::kSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4);
+  const double period_s = plan.root.NumberOr("run.period_s", RunSettings{}.period_s);
+  double until_s = policy::kSearchedSteps * period_s;
   for (const MappedRecord& record : records) {
     std::size_t samples = 1;
     for (const auto& [name, series] : record.outputs) samples = std::max(samples, series.values->size());
     until_s = std::max(until_s, policy::kSearchedSamples / static_cast<double>(samples) * record.end_s);
   }
-  return std::min(until_s, policy::kMostSearchedSteps * plan.root.NumberOr("run.period_s", 1e-4));
+  return std::min(until_s, policy::kMostSearchedSteps * period_s);
 }
 
 std::string KeepTo(std::size_t most, std::vector<MappedRecord>& records) {

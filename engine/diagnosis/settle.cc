@@ -306,7 +306,7 @@ class Shares {
   }
 
   bool RefineOneLaw(std::size_t i, std::size_t k) const {
-    const auto refined = [&](std::size_t of) { return all_[of].effect().info().traits.refines; };
+    const auto refined = [&](std::size_t of) -> const auto& { return all_[of].effect().info().traits.refines; };
     return all_[i].place() == all_[k].place() && std::ranges::any_of(refined(i), [&](const std::string& law) {
              return std::ranges::count(refined(k), law) > 0;
            });

@@ -11,8 +11,8 @@
 namespace dynoproof::diagnosis {
 namespace {
 
-constexpr double kElse =
-    0.9;  // share of the other steps that change the value, in a signal that else never stands still
+/// Share of the other steps that change the value, in a signal that else never stands still.
+constexpr double kElse = 0.9;
 
 /// Runs of the same value, in samples.
 struct Still {

@@ -128,7 +128,7 @@ trace::Trace SampledTrace(const Rig& rig, const Samples& samples) {
   trace.time = samples.time;
   for (std::size_t i = 0; i < rig.inputs.size(); ++i) {
     const InputLine& line = rig.inputs[i];
-    // What a continuous part drives moves between samples, too.
+    // The output of a continuous part changes between ticks; any other input is held.
     const auto between = line.continuous ? trace::Interpolation::kLinear : trace::Interpolation::kHold;
     trace.signals.push_back({line.name, line.unit, line.description, line.nominal, between, samples.inputs[i]});
   }

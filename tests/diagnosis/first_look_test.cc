@@ -49,8 +49,8 @@ TEST(FirstLook, TakesBackWhatNominalValuesHaveSwallowed) {
   EXPECT_NEAR(gain.hypothesis.parameters()[0].ValueAt(gain.levels[free].q[0]), kGain, 0.01);
 }
 
-/// Of the candidates for a record with an effect that is plain, those after the first sixteen are not fitted once one of these leaves nothing but
-/// noise in the free run. They stand at the end, with what they promise.
+/// The look fits sixteen candidates at a time. Where the free run of the best of them leaves nothing but noise, it fits no more: the others
+/// stand at the end of the ranking, with the share that their sketches promise.
 TEST(FirstLook, EndsWhereTheFreeRunLeavesNothingButNoise) {
   const Plan plan = Scenario("scenarios/diagnose/heavy_duty_lumped.toml", {"run.duration_s=0.3"});
   const MappedRecord record =
