@@ -40,6 +40,8 @@ class Inquiry {
   const Levels& levels() const { return *parts_.training; }
   const Levels& held_out() const { return *parts_.held_out; }
   const Magnitudes& magnitudes() const { return magnitudes_; }
+  /// Whether the held-out part is records of its own, which start elsewhere.
+  bool own_holdout() const { return own_holdout_; }
 
   /// Which effect on top of a null explains what that leaves. `admitted`: by another pass.
   Result<Answer> Ask(Contestant null, bool released, const std::string& stage,

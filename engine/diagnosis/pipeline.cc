@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "diagnosis/as_given.h"
 #include "diagnosis/changed_numbers.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/detection.h"
@@ -53,6 +54,7 @@ Result<std::unique_ptr<Pipeline>> Pipeline::Of(const Plan& plan, const std::vect
 }
 
 Result<Answer> Pipeline::Decide() {
+  if (std::optional<Answer> as_given = AsGiven(inquiry_)) return *std::move(as_given);
   Contestant nominal = inquiry_.Null(false);
   hum_ = HumBesides(nominal);
   if (!hum_.empty()) return Answer{Contest(), Settled()};

@@ -16,6 +16,9 @@ inline constexpr double kLonger = 5.0, kLongest = 200.0;
 inline constexpr double kMostOfRecord = 1.0 / 3.0;
 /// RMS over what noise alone causes up to which a model counts as exact.
 inline constexpr double kNoiseSize = 1.2;
+/// RMS of the free run over the noise, in the channel where that is most, up to which the plan as given is not asked about at all: a record's
+/// own noise leaves 1, a trace of the same plan that is fed back 0 to 0.02.
+inline constexpr double kFarBelowNoise = 0.1;
 /// Power beyond the noise's at which an effect may show [of the noise's power; standard errors].
 inline constexpr double kExcess = 0.2, kExcessErrors = 5.0;
 /// RMS over what noise alone causes that a null leaves at a level, over that of its free run, from which on the record corrects away from itself what

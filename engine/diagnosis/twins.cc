@@ -63,10 +63,12 @@ class Replaced {
     const auto& [effect, place] = looked.hypothesis.effects().back();
     // The best model may have taken its place away: lumps that one rotor stands for.
     if (std::ranges::count(effect->Places(best_.hypothesis.At(fit().q)), place) == 0) return std::nullopt;
+    const std::size_t held = looked.Holds(first) ? first : first + 1;
+    if (!looked.Holds(held)) return std::nullopt;  // broken wherever it was looked at: there is nothing to begin from
     const Hypothesis model = without_.With(*effect, place, magnitudes);
     const Index count = std::ssize(effect->info().parameters);
-    const VectorXd& q_looked = looked.levels[looked.Holds(first) ? first : first + 1].q;
-    const VectorXd numbers = q_looked.segment(static_cast<Index>(looked.hypothesis.of_effects()) - count, count);
+    const VectorXd numbers =
+        looked.levels[held].q.segment(static_cast<Index>(looked.hypothesis.of_effects()) - count, count);
     const Trial both{effect, place, best_.hypothesis.With(*effect, place, magnitudes), {}, SizedWith(effect->info())};
     const std::vector<VectorXd> starts = StartsOf(both, numbers, model);
     const VectorXd* from = nullptr;

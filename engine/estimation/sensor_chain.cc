@@ -11,7 +11,11 @@ namespace dynoproof::estimation {
 
 SensorChain::SensorChain(const Rig& rig, std::size_t output) {
   const OutputLine& line = rig.outputs[output];
-  end_ = line.signal;
+  // A tick changes what controls and commands give, and a sample is of before.
+  const bool changes = std::ranges::none_of(rig.blocks, [&](const dynoproof::Block& block) {
+    return line.signal >= block.first_output && line.signal < block.first_output + block.outputs();
+  });
+  end_ = changes && line.ring < 0 ? line.sample : line.signal;
   for (int i = 0;; ++i) {
     const dynoproof::Block* stage = rig.FindBlock(fmt::format("output.{}.sensor.{}", line.name, i));
     if (stage == nullptr) break;

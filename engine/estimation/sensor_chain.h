@@ -16,7 +16,7 @@ class SensorChain {
   /// Of an output of the rig, which outlives it.
   SensorChain(const Rig& rig, std::size_t output);
 
-  /// Slot at its end, not delayed.
+  /// Slot at its end, not delayed; behind a tick, too, what it was before.
   int end() const { return end_; }
   double delay_s() const { return delay_s_; }
   /// Mean delay of its linear stages (the time constant of a lag) [s].

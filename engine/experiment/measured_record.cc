@@ -29,7 +29,7 @@ std::string Beside(const std::string& folder, const std::string& file) {
 template <class Lines>
 std::vector<SignalName> Names(const Lines& lines) {
   std::vector<SignalName> names;
-  for (const auto& line : lines) names.push_back({line.name, line.unit});
+  for (const auto& line : lines) names.push_back({.name = line.name, .unit = line.unit});
   return names;
 }
 
@@ -61,7 +61,13 @@ void AcceptedGap::Check(Faults& faults) const {
 }
 
 std::vector<SignalName> InputNames(const Rig& rig) { return Names(rig.inputs); }
-std::vector<SignalName> OutputNames(const Rig& rig) { return Names(rig.outputs); }
+
+std::vector<SignalName> OutputNames(const Rig& rig) {
+  std::vector<SignalName> names = Names(rig.outputs);
+  const std::vector<double> known_from = rig.KnownFrom();
+  for (std::size_t i = 0; i < names.size(); ++i) names[i].known_from_s = known_from[i];
+  return names;
+}
 
 std::string Today() {
   return fmt::format("{:%Y-%m-%d}",

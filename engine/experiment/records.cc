@@ -33,7 +33,8 @@ struct Raw {
   std::string name;
   bool input = false;
   trace::TimeBase base;
-  std::vector<double> values;                       // by instant, SI
+  double known_from_s = 0.0;
+  std::vector<double> values = {};                  // by instant, SI
   std::map<std::size_t, double> before_event = {};  // by number of the instant, SI
 };
 
@@ -158,7 +159,7 @@ class Mapper {
           "time may not fall from row to row; rows at one instant are an event");
       return;
     }
-    Raw raw{channel.name, input, BaseOf(*std::move(stamps), unit_s), {}};
+    Raw raw{channel.name, input, BaseOf(*std::move(stamps), unit_s), signal.known_from_s};
     raw.base.start_s += clock_start_s_;
     // A sample of an output is what was measured before the event, a command holds from it on.
     for (std::size_t i = 0; i < raw.base.time_s.size(); ++i)
@@ -424,6 +425,7 @@ class Mapper {
         ++before;
         continue;
       }
+      if (t < raw.known_from_s) continue;
       if (const auto event = raw.before_event.find(i); event != raw.before_event.end())
         time.push_back(t), values.push_back(event->second);
       time.push_back(t), values.push_back(raw.values[i]);

@@ -47,6 +47,7 @@ Result<trace::Record> ReadRecord(const std::string& file, const RecordMap& map =
 /// What a record may be mapped to: name and unit; an empty unit takes the column as it is.
 struct SignalName {
   std::string name, unit;
+  double known_from_s = 0.0;  // samples before are left out (Rig::KnownFrom)
 };
 
 /// Applies a map (contract, "Measured data"); without one (empty) columns are taken by name. Reported as errors: a

@@ -27,6 +27,31 @@ const Block* Rig::FindBlock(std::string_view name) const {
   return nullptr;
 }
 
+std::vector<double> Rig::KnownFrom() const {
+  std::vector<double> from(slots.size(),
+                           0.0);  // of each signal; half a period behind the tick, of which a sample is before
+  for (const Block& control : controls)
+    std::fill_n(from.begin() + control.first_output, control.outputs(),
+                SecondsOf(control.offset) + 0.5 * SecondsOf(period));
+  for (const InputLine& line : inputs) {
+    if (line.source == nullptr && !line.continuous) from[line.command] = from[line.delayed] = from[line.from];
+  }
+  for (const Block& block : blocks) {  // each after those that it reads at the same instant
+    for (int out = 0; out < block.outputs(); ++out) {
+      for (std::size_t in = 0; in < block.inputs.size(); ++in) {
+        double& own = from[block.first_output + out];
+        if (block.component->FeedsThrough(static_cast<int>(in), out)) own = std::max(own, from[block.inputs[in]]);
+      }
+    }
+  }
+  std::vector<double> known_from;
+  for (const OutputLine& line : outputs) {
+    const double of_signal = from[line.signal];
+    known_from.push_back(of_signal > 0.0 ? of_signal + SecondsOf(period) * line.delay_periods : 0.0);
+  }
+  return known_from;
+}
+
 Frame Rig::MakeFrame() const {
   Frame frame;
   frame.signals.assign(slots.size(), 0.0);

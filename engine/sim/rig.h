@@ -106,6 +106,9 @@ class Rig {
   const Block* FindBlock(std::string_view name) const;
   /// A frame of the right sizes, zeros throughout.
   Frame MakeFrame() const;
+  /// From when on each output shows what a run knows [s]: one that passes on at once what a control commands shows at first
+  /// what that did before its first tick, which no run and no record says. 0 for all others.
+  std::vector<double> KnownFrom() const;
 };
 
 }  // namespace dynoproof

@@ -60,6 +60,18 @@ TEST(Coupling, ItsOwnTraceDrivesAnEngineAsItWas) {
     EXPECT_LT(run["scenarios"][0]["figures"][name]["value"].get<double>(), 1e-4) << name;
 }
 
+/// A flap shows its controller's command, of which there is none before the first tick: its first sample, 0, is nobody's.
+TEST(ChargeAir, ItsOwnTraceIsThatOfItsControllers) {
+  const Bench bench;
+  bench.Call({"run", "pressure/charge_air_saturated", "--out", "own"});
+  const std::string trace = "own/pressure/charge_air_saturated.h5";
+  bench.Call({"run", "pressure/charge_air_saturated", "--data", trace, "--json", "run.json"});
+  const nlohmann::json run = nlohmann::json::parse(ReadBytes(bench / "run.json"));
+  for (const char* name : {"flap_1.nrmse", "flap_2.nrmse", "p_ch.nrmse", "p_s_ref.nrmse"})
+    EXPECT_LT(run["scenarios"][0]["figures"][name]["value"].get<double>(), 1e-9) << name;
+  EXPECT_EQ(bench.Json({"diagnose", "pressure/charge_air_saturated", "--data", trace})["verdict"], "no_effect");
+}
+
 /// The scenario for diagnosis with the oil's dynamics as hidden truth: solver, second solver and oracle still agree.
 TEST(Coupling, OilDynamicsHoldAgainstTheOracle) {
   const Bench bench;

@@ -69,6 +69,19 @@ TEST(SlowDiagnose, NamesNothingWhereNothingIsHidden) {
   EXPECT_LT(found.simulations, 1400.0);  // 942, and half as many more: a last bit may turn a fit
 }
 
+/// What a run has left, fed back: nothing is searched, and what would have shown is told all the same.
+TEST(SlowDiagnose, AsksNothingOfARecordThatTheModelPredictsFarBelowItsNoise) {
+  const Diagnosis found = DiagnosisOf(Nominal(), 0.0);
+  EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason;
+  EXPECT_EQ(found.journal.front().stage, "as given") << ToText(found.journal);
+  EXPECT_FALSE(found.would_have_seen.empty());
+  EXPECT_TRUE(found.search_complete);
+  // Sizes that would have shown take some five runs each, of a hundred and fifty effects at places.
+  EXPECT_LT(found.simulations, 1000.0);
+  const Diagnosis hidden = DiagnosisOf(WithEffect(Nominal(), "coulomb_friction", "inertia:I3", {1.0}), 0.0);
+  EXPECT_EQ(hidden.verdict, Conclusion::kEffectFound) << hidden.reason << "\n" << ToText(hidden.journal);
+}
+
 // Pairs of causes are asked before drifts of sensors are taken off, which takes 6000 simulations.
 TEST(NightlyDiagnose, NamesNothingWhereAllSensorsWarmUp) {
   MappedRecord record = RecordOf(AsBuilt(Nominal()), 0.01, kOutputs);

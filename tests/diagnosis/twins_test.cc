@@ -125,6 +125,17 @@ TEST_F(Twins, AreNotLookedForAtAPlaceThatTheBestModelHasTakenAway) {
   EXPECT_EQ(contest_.contestants.size(), 2U);
 }
 
+TEST_F(Twins, AreNotLookedForWhereACandidateRanAtNoLevel) {
+  BeginWithGain({"T_shaft"});
+  for (estimation::Estimate& one : contest_.left_behind.front().levels) {
+    one = estimation::Estimate();
+    one.broken = "its run stops";
+  }
+  contest_.left_behind.pop_back();
+  EXPECT_EQ(Carry(), 1) << "the run without the cause";
+  EXPECT_EQ(contest_.contestants.size(), 2U);
+}
+
 TEST_F(Twins, OfTheEffectThatCameFirstAreCarried) {
   const Plan late = WithEffect(plan_, "sensor_lag", "output:T_shaft", {3e-3});
   BeginWithGain({"T_shaft"}, &late);

@@ -98,6 +98,24 @@ TEST(SensorChain, OfTheRightModelNothingIsLeftButNoise) {
   }
 }
 
+/// A tick gives a new command, and a sample is of before: where the model is right, the command that an output shows is, too.
+TEST(SensorChain, WhatATickChangesIsShownAsItWasBefore) {
+  Plan plan = FourMasses(0.5);
+  plan.root["output"]["shown"] = Value{{"of", "input.T"}, {"nominal", 100.0}};
+  const DataSet data({RecordOf(plan, 0.0, {"T_shaft", "shown"})}, plan, {.from_s = 0.1});
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  for (const std::optional<double> memory_s : {std::optional(0.025), std::optional<double>()}) {
+    const Predictor predictor(data, *model, testing::BuiltIns(), memory_s, nullptr);
+    const Result<Prediction> there = predictor.Predict(plan);
+    ASSERT_TRUE(there.ok()) << there.failure().ToString();
+    for (const Channel& channel : data.channels()) {
+      EXPECT_GT(channel.spread, 1.0) << channel.name;
+      EXPECT_LT(there->innovations.segment(channel.begin, channel.count).cwiseAbs().maxCoeff(), 1e-6) << channel.name;
+    }
+  }
+}
+
 TEST(SensorChain, ADelayBetweenTicksKeepsASoftRotorStable) {
   // 70 masses have modes far above half the sampling rate: whoever corrects them by what they were between two ticks drives them.
   const Plan plan = Scenario("scenarios/diagnose/heavy_duty_soft.toml", {"run.duration_s=0.5"}),

@@ -51,6 +51,22 @@ TEST(ControlOrder, ACircleThatMeetsNowAndThenIsAFaultToo) {
   EXPECT_THAT(FaultsOf(plan), HasSubstr("in a circle"));
 }
 
+/// What a control gives before its first tick nobody knows: no record of an output that shows it at once can be held against that.
+TEST(ControlOrder, AnOutputKnowsNothingOfAControlBeforeItsFirstTick) {
+  Plan plan = Circle("a", "b");
+  for (const char* name : {"a", "b"}) plan.root["control"][name]["period_s"] = Value(2e-4);
+  plan.root["control"]["b"]["offset_s"] = Value(1e-4);
+  plan.root["output"]["late"] =
+      Value{{"of", "control.a.torque"}, {"sensor", Value::Array{Value{{"type", "delay"}, {"delay_s", 3e-4}}}}};
+  const std::unique_ptr<Rig> rig = RigOf(plan);
+  std::map<std::string, double> from;
+  for (std::size_t k = 0; k < rig->outputs.size(); ++k) from[rig->outputs[k].name] = rig->KnownFrom()[k];
+  EXPECT_NEAR(from.at("first"), 0.5e-4, 1e-12);
+  EXPECT_NEAR(from.at("second"), 1.5e-4, 1e-12);
+  EXPECT_NEAR(from.at("late"), 3.5e-4, 1e-12);
+  EXPECT_EQ(from.at("w"), 0.0) << "a speed follows a torque by and by";
+}
+
 /// Where time orders them, names do not matter: each tick takes what the other gave at the tick before.
 TEST(ControlOrder, OffsetsOrderACircleWhateverItsNames) {
   for (const auto& [first, second] : {std::pair("a", "b"), std::pair("b", "a")}) {
