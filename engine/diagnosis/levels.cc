@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/policy.h"
 #include "experiment/drive_by_record.h"
@@ -15,7 +16,26 @@ using estimation::DataSet;
 using estimation::LinearModel;
 using estimation::Predictor;
 
+namespace {
+
 constexpr double kLongerAtLeast = 1.05;  // of the memory before: a level of its own
+
+/// Whether what the plan leaves is so much of the record (geometric mean over the channels) that a gap which it crosses at other
+/// times may lead anywhere: with a memory of 10 ms a gap a sixth too narrow leaves two fifths, and a hump before the truth; with 2 ms all ways lead down.
+bool LosesSight(const Predictor& shortest, const Plan& plan) {
+  const Result<Eigen::VectorXd> rows = shortest.Innovations(plan);
+  if (!rows.ok()) return false;
+  double logarithms = 0.0;
+  const auto& channels = shortest.data().channels();
+  for (const estimation::Channel& channel : channels) {
+    const double rms = std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() /
+                                 static_cast<double>(std::max<Index>(1, channel.count)));
+    logarithms += std::log(std::max(channel.OfSpread(rms), 1e-12));
+  }
+  return logarithms > std::log(policy::kOutOfSight) * static_cast<double>(channels.size());
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<MappedRecord>& records,
                                            const Registry& registry, double compared_from, Index most_rows,
@@ -49,7 +69,10 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
     // All levels are the free run.
   } else if (window_s) {
     levels->memories_s_ = {*window_s / policy::kLonger, *window_s};
-    levels->corrected_ = levels->longest_ = 1;
+    const Predictor shorter(*levels->data_, levels->model_, registry, levels->memories_s_.front(), known);
+    if (LosesSight(shorter, plan))
+      levels->memories_s_.insert(levels->memories_s_.begin(), levels->memories_s_.front() / policy::kLonger);
+    levels->corrected_ = levels->longest_ = levels->memories_s_.size() - 1;
   } else {
     // Between a memory and the free run the error has ever more minima: steps are small up to beyond the record's length.
     for (double memory = memory_s; levels->memories_s_.empty() || memory < policy::kLongest * duration_s;

@@ -12,6 +12,8 @@ inline constexpr std::size_t kMostAlike = 3;
 /// free a fit goes from 0.2 s to the free run of 0.7 s in a false minimum of 1.6 times the noise, over 1 and 4 s to the truth, and
 /// in the frozen case 2802/40 over 24 and 120 s. Beyond the record's length they are asked only where they are needed.
 inline constexpr double kLonger = 5.0, kLongest = 200.0;
+/// Behind a gap, what the plan leaves with the shorter memory [of the spreads] from which on it is asked with one five times shorter first.
+inline constexpr double kOutOfSight = 0.2;
 /// The longest memory that counts as corrected [of the record].
 inline constexpr double kMostOfRecord = 1.0 / 3.0;
 /// RMS over what noise alone causes up to which a model counts as exact.

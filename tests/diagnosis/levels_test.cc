@@ -57,6 +57,25 @@ TEST(Levels, OfRecordsOfDifferentLengthCompareTheSameShareOfEach) {
   }
 }
 
+/// Where impacts come at other times altogether, all ways lead down beside a record that corrects five times as hard, and from the wrong side of a
+/// hump else.
+TEST(Levels, BehindAGapBeginWithAShorterMemoryWhereThePlanHasLostSight) {
+  const Plan plan = Scenario("scenarios/diagnose/backlash.toml", {"run.duration_s=0.5"});
+  const auto levels_of = [&](const Plan& truth) {
+    auto levels = Levels::Of(plan, {RecordOf(truth, 0.002, {"T_m1", "T_m2", "omega_1", "omega_2", "omega_3"})},
+                             testing::BuiltIns(), 0.0, 1000);
+    EXPECT_TRUE(levels.ok()) << levels.failure().ToString();
+    return *std::move(levels);
+  };
+  const auto near = levels_of(plan),
+             far = levels_of(estimation::WithEffect(plan, "gap_change", "shaft:backlash", {0.17}));
+  EXPECT_EQ(near->size(), 2U);
+  ASSERT_EQ(far->size(), 3U);
+  EXPECT_EQ(far->longest(), 2U);
+  EXPECT_EQ(far->corrected(), 2U);
+  EXPECT_NEAR((*far)[0].observer()->memory_s() * policy::kLonger, (*far)[1].observer()->memory_s(), 2e-3);
+}
+
 /// Both parts of a record are corrected with the same noise. With an estimate each, of which one took fast motion for noise, one memory gave two
 /// different observers, and a model that was exact in the earlier part diverged in the later one. Other records have their own noise.
 TEST(Levels, OfALaterPartHaveTheNoiseOfTheEarlierOne) {
