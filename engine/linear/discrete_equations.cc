@@ -16,6 +16,9 @@ constexpr int kMostDoublings = 40;  // 1e12 periods: longer than any record
 constexpr double kSettled = 1e-13;  // relative change at which a doubling has nothing left to add
 
 constexpr double kSeen = 1e-12;  // power; amplitudes of 1e-6
+// Of the largest size of a balanced part: where its columns have become small, so that what follows may be left out; and what a product of two
+// covariances still tells to three digits.
+constexpr double kEnds = 1e-4, kInProduct = 1e-5;
 
 MatrixXd Symmetric(const MatrixXd& x) { return 0.5 * (x + x.transpose()); }
 
@@ -73,19 +76,30 @@ MatrixXd Observability(const MatrixXd& A, const MatrixXd& C, double leak) {
 MatrixXd RangeOf(const MatrixXd& gramian) { return RootOf(gramian).directions; }
 
 BalancedPart Balance(const MatrixXd& A, const MatrixXd& B, const MatrixXd& C, double leak, int most) {
-  const MatrixXd faded = leak * A;
-  const MatrixXd moved = SquareRoot(StationaryCovariance(faded, B * B.transpose()));
-  const MatrixXd observability = Observability(A, C, leak);
-  const MatrixXd seen = SquareRoot(observability);
+  const MatrixXd covariance = StationaryCovariance(leak * A, B * B.transpose()), moved = SquareRoot(covariance);
+  const MatrixXd observability = Observability(A, C, leak), seen = SquareRoot(observability);
   if (moved.cols() == 0 || seen.cols() == 0)
     return {MatrixXd(A.rows(), 0), MatrixXd(0, A.rows()), VectorXd::Zero(A.rows())};
+  const VectorXd seen_by_state =
+      (observability.diagonal().cwiseMax(0.0) / observability.diagonal().maxCoeff()).cwiseSqrt();
   const auto [U, sizes, V] = dense::JacobiSvd(seen.transpose() * moved);
-  Index kept = 0;
-  while (kept < std::min<Index>(sizes.size(), most) && sizes[kept] > std::sqrt(kSeen) * sizes[0]) ++kept;
-  const VectorXd inverse = sizes.head(kept).cwiseSqrt().cwiseInverse();
-  return {moved * V.leftCols(kept) * inverse.asDiagonal(),
-          inverse.asDiagonal() * U.leftCols(kept).transpose() * seen.transpose(),
-          (observability.diagonal().cwiseMax(0.0) / observability.diagonal().maxCoeff()).cwiseSqrt()};
+  const auto larger_than = [most](const auto& all, double share) {
+    return std::min<Index>(most, (all.array() > share * all[0]).count());
+  };
+  if (const Index kept = larger_than(sizes, std::sqrt(kSeen)); kept == most || sizes.minCoeff() <= kEnds * sizes[0]) {
+    const VectorXd inverse = sizes.head(kept).cwiseSqrt().cwiseInverse();
+    return {moved * V.leftCols(kept) * inverse.asDiagonal(),
+            inverse.asDiagonal() * U.leftCols(kept).transpose() * seen.transpose(), seen_by_state};
+  }
+  // Forces move something so far, as the angle of a line that turns, that rounding has ended the root of their covariance before what outputs
+  // see of it was small. Seen by these, the covariance itself has the rest: S'PS = U diag(sizes^2) U'.
+  const auto [powers, directions] = dense::Symmetric(Symmetric(seen.transpose() * covariance * seen));
+  const VectorXd all = powers.reverse().cwiseMax(0.0).cwiseSqrt();
+  const Index kept = larger_than(all, kInProduct);
+  const MatrixXd by = directions.rowwise().reverse().leftCols(kept);
+  const VectorXd inverse = all.head(kept).cwiseSqrt().cwiseInverse();
+  return {covariance * seen * by * inverse.array().cube().matrix().asDiagonal(),
+          inverse.asDiagonal() * by.transpose() * seen.transpose(), seen_by_state};
 }
 
 }  // namespace dynoproof::mechanics

@@ -26,7 +26,8 @@ struct BalancedPart {
 };
 /// Balanced truncation by square roots (Moore 1981; Antoulas, Approximation of Large-Scale Dynamical Systems, 2005, 7.1)
 /// to at most `most` states. Both Gramians forget by `leak` a period (below 1), so that free integrators have one; what
-/// is seen or moved by less than 1e-6 of the largest amplitude counts as not seen.
+/// is seen or moved by less than 1e-6 of the largest amplitude counts as not seen. Where an integrator hides in rounding what
+/// else is moved, sizes down to 1e-5 of the largest are taken from the product of both Gramians.
 BalancedPart Balance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& C, double leak,
                      int most);
 

@@ -137,6 +137,28 @@ TEST(SensorChain, ADelayBetweenTicksKeepsASoftRotorStable) {
   }
 }
 
+/// An angle runs far away, and what forces do to it hides in their covariance what they do to the twists: the gains of an observer that had lost the
+/// pair of a mode there drove that one.
+TEST(SensorChain, AnAngleBesideATorqueKeepsASoftRotorStable) {
+  const Plan plan =
+      Scenario("scenarios/diagnose/r2r_soft.toml", {"run.duration_s=3", "plant.rotor.I1.inertia_kg_m2=4.57"});
+  const DataSet data({RecordOf(plan, 1e-3, {"T_shaft", "omega_1", "phi_1"})}, plan, {.from_s = 0.1});
+  const Result<LinearModel> model = LinearModel::Of(plan, data.records().front(), testing::BuiltIns());
+  ASSERT_TRUE(model.ok());
+  for (const double memory_s : {0.001, 0.003, 0.01}) {
+    const Predictor predictor(data, *model, testing::BuiltIns(), memory_s, nullptr);
+    const Result<Prediction> there = predictor.Predict(plan);
+    ASSERT_TRUE(there.ok()) << memory_s << ": " << there.failure().ToString();
+    for (std::size_t c = 0; c < data.channels().size(); ++c) {
+      const Channel& channel = data.channels()[c];
+      EXPECT_LT(score::RootMeanSquare(
+                    std::span(there->innovations.data() + channel.begin, static_cast<std::size_t>(channel.count))),
+                1.1 * there->noise_alone[static_cast<Eigen::Index>(c)])
+          << channel.name << " " << memory_s;
+    }
+  }
+}
+
 TEST(SensorChain, GainAndMassDoNotBuyAnObserver) {
   // Output and inertias scaled alike are the same machine seen otherwise: the same innovations over the gain.
   const Plan plan = FourMasses(0.5);
