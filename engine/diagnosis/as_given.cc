@@ -1,7 +1,6 @@
 #include "diagnosis/as_given.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -16,11 +15,8 @@ double FarthestOf(const Plan& plan, const Levels& levels) {
   const Result<Eigen::VectorXd> rows = levels[levels.free_run()].Innovations(plan);
   if (!rows.ok()) return std::numeric_limits<double>::infinity();
   double most = 0.0;
-  for (const estimation::Channel& channel : levels.data().channels()) {
-    const double rms = std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() /
-                                 static_cast<double>(std::max<Eigen::Index>(1, channel.count)));
-    most = std::max(most, rms / channel.noise);
-  }
+  for (const estimation::Channel& channel : levels.data().channels())
+    most = std::max(most, RmsIn(channel, *rows) / channel.noise);
   return most;
 }
 

@@ -28,9 +28,7 @@ bool LosesSight(const Predictor& shortest, const Plan& plan) {
   double logarithms = 0.0;
   const auto& channels = shortest.data().channels();
   for (const estimation::Channel& channel : channels) {
-    const double rms = std::sqrt(rows->segment(channel.begin, channel.count).squaredNorm() /
-                                 static_cast<double>(std::max<Index>(1, channel.count)));
-    logarithms += std::log(std::max(channel.OfSpread(rms), 1e-12));
+    logarithms += std::log(std::max(channel.OfSpread(RmsIn(channel, *rows)), 1e-12));
   }
   return logarithms > std::log(policy::kOutOfSight) * static_cast<double>(channels.size());
 }
@@ -114,6 +112,11 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
         std::make_unique<Predictor>(*levels->data_, levels->model_, registry, std::nullopt, known);
   for (const auto& predictor : all) predictor->LearnNoise(plan);
   return levels;
+}
+
+double RmsIn(const estimation::Channel& channel, const Eigen::VectorXd& rows) {
+  const double squares = rows.segment(channel.begin, channel.count).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(std::max<Index>(1, channel.count)));
 }
 
 std::string Levels::Name(std::size_t level) const {
