@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/policy.h"
+#include "identification/noise_model.h"
 
 namespace dynoproof::diagnosis {
 namespace {
@@ -16,7 +17,7 @@ double FarthestOf(const Plan& plan, const Levels& levels) {
   if (!rows.ok()) return std::numeric_limits<double>::infinity();
   double most = 0.0;
   for (const estimation::Channel& channel : levels.data().channels())
-    most = std::max(most, RmsIn(channel, *rows) / channel.noise);
+    most = std::max(most, identification::RmsOf(rows->segment(channel.begin, channel.count)) / channel.noise);
   return most;
 }
 

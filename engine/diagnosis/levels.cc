@@ -8,6 +8,7 @@
 #include "diagnosis/policy.h"
 #include "experiment/drive_by_record.h"
 #include "experiment/prediction_windows.h"
+#include "identification/noise_model.h"
 
 namespace dynoproof::diagnosis {
 
@@ -28,7 +29,8 @@ bool LosesSight(const Predictor& shortest, const Plan& plan) {
   double logarithms = 0.0;
   const auto& channels = shortest.data().channels();
   for (const estimation::Channel& channel : channels) {
-    logarithms += std::log(std::max(channel.OfSpread(RmsIn(channel, *rows)), 1e-12));
+    const double rms = identification::RmsOf(rows->segment(channel.begin, channel.count));
+    logarithms += std::log(std::max(channel.OfSpread(rms), 1e-12));
   }
   return logarithms > std::log(policy::kOutOfSight) * static_cast<double>(channels.size());
 }
@@ -112,11 +114,6 @@ Result<std::unique_ptr<Levels>> Levels::Of(const Plan& plan, const std::vector<M
         std::make_unique<Predictor>(*levels->data_, levels->model_, registry, std::nullopt, known);
   for (const auto& predictor : all) predictor->LearnNoise(plan);
   return levels;
-}
-
-double RmsIn(const estimation::Channel& channel, const Eigen::VectorXd& rows) {
-  const double squares = rows.segment(channel.begin, channel.count).squaredNorm();
-  return std::sqrt(squares / static_cast<double>(std::max<Index>(1, channel.count)));
 }
 
 std::string Levels::Name(std::size_t level) const {

@@ -52,7 +52,4 @@ class Levels {
   std::size_t corrected_ = 0, longest_ = 0;
 };
 
-/// RMS of a channel's part of rows [its unit].
-double RmsIn(const estimation::Channel& channel, const Eigen::VectorXd& rows);
-
 }  // namespace dynoproof::diagnosis

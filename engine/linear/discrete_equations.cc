@@ -16,8 +16,8 @@ constexpr int kMostDoublings = 40;  // 1e12 periods: longer than any record
 constexpr double kSettled = 1e-13;  // relative change at which a doubling has nothing left to add
 
 constexpr double kSeen = 1e-12;  // power; amplitudes of 1e-6
-// Of the largest size of a balanced part: where its columns have become small, so that what follows may be left out; and what a product of two
-// covariances still tells to three digits.
+// Hankel singular values, of the largest one: below kEnds a truncated state changes no gain; down to kInProduct the product of both
+// Gramians tells them to three digits.
 constexpr double kEnds = 1e-4, kInProduct = 1e-5;
 
 MatrixXd Symmetric(const MatrixXd& x) { return 0.5 * (x + x.transpose()); }

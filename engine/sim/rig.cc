@@ -28,8 +28,8 @@ const Block* Rig::FindBlock(std::string_view name) const {
 }
 
 std::vector<double> Rig::KnownFrom() const {
-  std::vector<double> from(slots.size(),
-                           0.0);  // of each signal; half a period behind the tick, of which a sample is before
+  // Of each signal. A sample is of before its tick, so that what a tick gives is seen from half a period behind it on.
+  std::vector<double> from(slots.size(), 0.0);
   for (const Block& control : controls)
     std::fill_n(from.begin() + control.first_output, control.outputs(),
                 SecondsOf(control.offset) + 0.5 * SecondsOf(period));

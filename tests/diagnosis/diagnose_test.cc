@@ -69,7 +69,7 @@ TEST(SlowDiagnose, NamesNothingWhereNothingIsHidden) {
   EXPECT_LT(found.simulations, 1400.0);  // 942, and half as many more: a last bit may turn a fit
 }
 
-/// What a run has left, fed back: nothing is searched, and what would have shown is told all the same.
+/// The record is the model's own run: no candidate is fitted, and the sizes at which effects would have shown are told.
 TEST(SlowDiagnose, AsksNothingOfARecordThatTheModelPredictsFarBelowItsNoise) {
   const Diagnosis found = DiagnosisOf(Nominal(), 0.0);
   EXPECT_EQ(found.verdict, Conclusion::kNoEffect) << found.reason;

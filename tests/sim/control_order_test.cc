@@ -51,7 +51,7 @@ TEST(ControlOrder, ACircleThatMeetsNowAndThenIsAFaultToo) {
   EXPECT_THAT(FaultsOf(plan), HasSubstr("in a circle"));
 }
 
-/// What a control gives before its first tick nobody knows: no record of an output that shows it at once can be held against that.
+/// A control has no output before its first tick, so that the first samples of what shows it cannot be compared with a record.
 TEST(ControlOrder, AnOutputKnowsNothingOfAControlBeforeItsFirstTick) {
   Plan plan = Circle("a", "b");
   for (const char* name : {"a", "b"}) plan.root["control"][name]["period_s"] = Value(2e-4);
